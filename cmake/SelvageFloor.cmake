@@ -1,0 +1,82 @@
+# The house is built floor by floor: each folder of src/ is one object library that links only to lower floors.
+
+# Settings that every target of the project shares.
+add_library(selvage_settings INTERFACE)
+target_compile_features(selvage_settings INTERFACE cxx_std_20)
+# The same bits from every instruction set: no fused multiply-add unless the source says so.
+target_compile_options(selvage_settings INTERFACE -ffp-contract=off -Wall -Wextra -Wshadow -Wpedantic)
+if(SELVAGE_WARNINGS_AS_ERRORS)
+  target_compile_options(selvage_settings INTERFACE -Werror)
+endif()
+if(SELVAGE_MARCH)
+  target_compile_options(selvage_settings INTERFACE -march=${SELVAGE_MARCH})
+endif()
+if(SELVAGE_SANITIZE)
+  target_compile_options(selvage_settings INTERFACE -fsanitize=${SELVAGE_SANITIZE} -fno-omit-frame-pointer
+                         -fno-sanitize-recover=all)
+  target_link_options(selvage_settings INTERFACE -fsanitize=${SELVAGE_SANITIZE})
+endif()
+
+# selvage_floor(NAME [LOWER...]): the floor in the current folder, made of every .cpp in it (kernels excepted).
+function(selvage_floor name)
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  list(FILTER sources EXCLUDE REGEX "_kernel\\.cpp$")
+  if(NOT sources)
+    file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/empty.cpp "")
+    set(sources ${CMAKE_CURRENT_BINARY_DIR}/empty.cpp)
+  endif()
+  add_library(selvage_${name} OBJECT ${sources})
+  set_target_properties(selvage_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  target_include_directories(selvage_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
+                             PRIVATE ${PROJECT_SOURCE_DIR}/src)
+  target_link_libraries(selvage_${name} PRIVATE $<BUILD_INTERFACE:selvage_settings>)
+  target_link_libraries(selvage_${name} PUBLIC Eigen3::Eigen TBB::tbb)
+  foreach(lower IN LISTS ARGN)
+    target_link_libraries(selvage_${name} PUBLIC selvage_${lower})
+  endforeach()
+endfunction()
+
+# selvage_kernel(FLOOR SOURCE): compiles SOURCE once per instruction set, each copy in its own namespace
+# (SELVAGE_ISA), so that one binary runs on every x86-64; core/isa.h decides at run time which copy is called.
+function(selvage_kernel name source)
+  get_filename_component(stem ${source} NAME_WE)
+  foreach(isa IN ITEMS baseline avx2 avx512)
+    set(flags_baseline "")
+    set(flags_avx2 "-march=x86-64-v3")
+    set(flags_avx512 "-march=x86-64-v4;-mprefer-vector-width=256")
+    add_library(selvage_${name}_${stem}_${isa} OBJECT ${source})
+    set_target_properties(selvage_${name}_${stem}_${isa} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+    target_compile_definitions(selvage_${name}_${stem}_${isa} PRIVATE SELVAGE_ISA=${isa})
+    target_compile_options(selvage_${name}_${stem}_${isa} PRIVATE ${flags_${isa}})
+    target_include_directories(selvage_${name}_${stem}_${isa} PRIVATE ${PROJECT_SOURCE_DIR}/include
+                               ${PROJECT_SOURCE_DIR}/src)
+    target_link_libraries(selvage_${name}_${stem}_${isa} PRIVATE selvage_settings Eigen3::Eigen TBB::tbb)
+    target_sources(selvage_${name} INTERFACE $<BUILD_INTERFACE:$<TARGET_OBJECTS:selvage_${name}_${stem}_${isa}>>)
+    set_property(GLOBAL APPEND PROPERTY SELVAGE_KERNEL_OBJECTS $<TARGET_OBJECTS:selvage_${name}_${stem}_${isa}>)
+  endforeach()
+endfunction()
+
+# selvage_library(FLOOR...): the one library users link to, and its installation.
+macro(selvage_library)
+  get_property(kernel_objects GLOBAL PROPERTY SELVAGE_KERNEL_OBJECTS)
+  add_library(selvage ${kernel_objects})
+  foreach(floor ${ARGN})
+    target_sources(selvage PRIVATE $<TARGET_OBJECTS:selvage_${floor}>)
+  endforeach()
+  add_library(selvage::selvage ALIAS selvage)
+  target_compile_features(selvage PUBLIC cxx_std_20)
+  target_include_directories(selvage PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
+                             $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(selvage PRIVATE $<BUILD_INTERFACE:selvage_settings> fmt::fmt ZLIB::ZLIB pugixml::pugixml
+                        PUBLIC Eigen3::Eigen TBB::tbb)
+  set_target_properties(selvage PROPERTIES LINKER_LANGUAGE CXX)
+  include(CMakePackageConfigHelpers)
+  install(TARGETS selvage EXPORT selvage-targets)
+  install(DIRECTORY include/selvage DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+  install(EXPORT selvage-targets NAMESPACE selvage:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/selvage)
+  configure_package_config_file(cmake/selvage-config.cmake.in ${PROJECT_BINARY_DIR}/selvage-config.cmake
+                                INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/selvage)
+  write_basic_package_version_file(${PROJECT_BINARY_DIR}/selvage-config-version.cmake COMPATIBILITY SameMinorVersion)
+  install(FILES ${PROJECT_BINARY_DIR}/selvage-config.cmake ${PROJECT_BINARY_DIR}/selvage-config-version.cmake
+          DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/selvage)
+endmacro()

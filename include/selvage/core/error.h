@@ -1,0 +1,20 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace selvage {
+
+/// The one exception type of the project: raised at the doors (mesh construction, file reading, public calls).
+///
+/// `what()` is one line: "where: what; remedy". `where` names a file with its line or byte offset, or an element.
+class Error : public std::runtime_error {
+ public:
+  /// @param where   file and line or byte offset, or element number; may be empty
+  /// @param what    what is wrong
+  /// @param remedy  what would mend it; may be empty
+  Error(std::string_view where, std::string_view what, std::string_view remedy = {});
+};
+
+}  // namespace selvage

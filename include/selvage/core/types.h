@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace selvage {
+
+/// Index of a vertex, an element, a face: 32-bit signed; counts that can exceed it are std::int64_t.
+using Index = std::int32_t;
+
+/// "No such thing", where an index may be missing.
+inline constexpr Index kNone = -1;
+
+/// A point or vector of D coordinates [m]. Unaligned, so that a row of an (n x D) array of doubles is one in place.
+template <int D>
+using Vec = Eigen::Matrix<double, D, 1, Eigen::DontAlign>;
+
+using Vec2 = Vec<2>;
+using Vec3 = Vec<3>;
+
+/// N vertex indices: an element, a face, an edge.
+template <int N>
+using VertexTuple = std::array<Index, N>;
+
+}  // namespace selvage

@@ -1,0 +1,54 @@
+#pragma once
+
+#include "selvage/core/types.h"
+
+namespace selvage {
+
+/// Topology of a triangle surface in space: open, closed, several components or non-manifold, all are legal.
+///
+/// Edges are listed once each, in lexicographic order of their (ascending) vertices.
+/// Thread-safe: all members are const after construction.
+class TriangleMesh {
+ public:
+  using Triangle = VertexTuple<3>;
+  using Edge = VertexTuple<2>;
+
+  TriangleMesh() = default;
+
+  /// O(n log n), parallel.
+  /// @throws Error  when there is no triangle, an index is out of range, or a triangle repeats a vertex
+  TriangleMesh(Index vertex_count, std::vector<Triangle> triangles);
+
+  Index vertex_count() const { return vertex_count_; }
+  Index triangle_count() const { return static_cast<Index>(triangles_.size()); }
+  Index edge_count() const { return static_cast<Index>(edges_.size()); }
+
+  /// (n_triangles) vertices of each triangle, as they were given.
+  std::span<const Triangle> triangles() const { return triangles_; }
+
+  /// (n_edges) vertices of each edge, ascending.
+  std::span<const Edge> edges() const { return edges_; }
+
+  /// (n_triangles x 3) edge opposite to vertex i of each triangle.
+  std::span<const std::array<Index, 3>> triangle_edges() const { return triangle_edges_; }
+
+  /// Triangles on edge e, ascending: 1 on a border, 2 inside a manifold surface, more where it is non-manifold.
+  std::span<const Index> edge_triangles(Index e) const { return star(edge_triangle_, edge_triangle_first_, e); }
+
+  /// Triangles that have vertex v, ascending.
+  std::span<const Index> vertex_triangles(Index v) const { return star(vertex_triangle_, vertex_triangle_first_, v); }
+
+ private:
+  static std::span<const Index> star(const std::vector<Index>& items, const std::vector<Index>& first, Index i) {
+    return std::span(items).subspan(first[i], first[i + 1] - first[i]);
+  }
+
+  Index vertex_count_ = 0;
+  std::vector<Triangle> triangles_;
+  std::vector<Edge> edges_;
+  std::vector<std::array<Index, 3>> triangle_edges_;
+  std::vector<Index> edge_triangle_, edge_triangle_first_;
+  std::vector<Index> vertex_triangle_, vertex_triangle_first_;
+};
+
+}  // namespace selvage
