@@ -95,6 +95,9 @@ class SimplexMesh {
   static std::span<const Index> star(const std::vector<Index>& items, const std::vector<Index>& first, Index v) {
     return std::span(items).subspan(first[v], first[v + 1] - first[v]);
   }
+  void find_neighbours();
+  void list_boundary();
+  void link_boundary();
 
   Index vertex_count_ = 0;
   std::vector<Element> elements_;
@@ -110,26 +113,33 @@ class SimplexMesh {
 using TetMesh = SimplexMesh<3>;
 using PlanarMesh = SimplexMesh<2>;
 
-extern template class SimplexMesh<2>;
-extern template class SimplexMesh<3>;
-
 template <>
 inline TetMesh::Face TetMesh::face_of(const Element& e, int face) {
   switch (face) {
-    case 0: return {e[1], e[2], e[3]};
-    case 1: return {e[0], e[3], e[2]};
-    case 2: return {e[0], e[1], e[3]};
-    default: return {e[0], e[2], e[1]};
+    case 0:
+      return {e[1], e[2], e[3]};
+    case 1:
+      return {e[0], e[3], e[2]};
+    case 2:
+      return {e[0], e[1], e[3]};
+    default:
+      return {e[0], e[2], e[1]};
   }
 }
 
 template <>
 inline PlanarMesh::Face PlanarMesh::face_of(const Element& e, int face) {
   switch (face) {
-    case 0: return {e[1], e[2]};
-    case 1: return {e[2], e[0]};
-    default: return {e[0], e[1]};
+    case 0:
+      return {e[1], e[2]};
+    case 1:
+      return {e[2], e[0]};
+    default:
+      return {e[0], e[1]};
   }
 }
+
+extern template class SimplexMesh<2>;
+extern template class SimplexMesh<3>;
 
 }  // namespace selvage
