@@ -51,7 +51,6 @@ function(selvage_kernel name source)
     target_include_directories(selvage_${name}_${stem}_${isa} PRIVATE ${PROJECT_SOURCE_DIR}/include
                                ${PROJECT_SOURCE_DIR}/src)
     target_link_libraries(selvage_${name}_${stem}_${isa} PRIVATE selvage_settings Eigen3::Eigen TBB::tbb)
-    target_sources(selvage_${name} INTERFACE $<BUILD_INTERFACE:$<TARGET_OBJECTS:selvage_${name}_${stem}_${isa}>>)
     set_property(GLOBAL APPEND PROPERTY SELVAGE_KERNEL_OBJECTS $<TARGET_OBJECTS:selvage_${name}_${stem}_${isa}>)
   endforeach()
 endfunction()
@@ -69,7 +68,8 @@ macro(selvage_library)
                              $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(selvage PRIVATE $<BUILD_INTERFACE:selvage_settings> fmt::fmt ZLIB::ZLIB pugixml::pugixml
                         PUBLIC Eigen3::Eigen TBB::tbb)
-  set_target_properties(selvage PROPERTIES LINKER_LANGUAGE CXX)
+  set_target_properties(selvage PROPERTIES LINKER_LANGUAGE CXX VERSION ${PROJECT_VERSION}
+                        SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   include(CMakePackageConfigHelpers)
   install(TARGETS selvage EXPORT selvage-targets)
   install(DIRECTORY include/selvage DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})

@@ -1,0 +1,94 @@
+# The commands of the project; `make` alone lists them. Packages that are missing are installed first (packages.txt).
+
+.DEFAULT_GOAL := help
+JOBS ?= $(shell nproc)
+PREFIX ?= /usr/local
+# Share of the random cases that the tests run: 1 is the everyday number.
+SANITIZE_SCALE ?= 0.02
+LONG_SCALE ?= 50
+
+INSTALL := scripts/install-packages
+CONFIGURE = cmake -DSELVAGE_WARNINGS_AS_ERRORS=$(if $(CI),ON,OFF) --log-level=WARNING
+BUILD = cmake --build -j $(JOBS) --preset
+CTEST = ctest -j $(JOBS) --output-on-failure --no-tests=error --progress
+SOURCES = $(shell git ls-files '*.h' '*.cpp')
+
+## demo        build, then find the ways out of a tangled octopus and a self-crossing noodle; see demo-output/
+demo: cli
+	scripts/demo build/release demo-output
+
+## cli         build the library and the command-line tool
+cli:
+	$(INSTALL) build
+	$(CONFIGURE) --preset release -DSELVAGE_BUILD_TESTS=OFF
+	$(BUILD) release
+
+## test        build, then run all tests
+test: build-tests
+	$(CTEST) --preset release
+
+## test-long   the same tests with 50 times as many random cases: hours
+test-long: build-tests
+	SELVAGE_TEST_SCALE=$(LONG_SCALE) $(CTEST) --preset release --timeout 36000 --verbose
+
+build-tests:
+	$(INSTALL) build test
+	$(CONFIGURE) --preset release -DSELVAGE_BUILD_TESTS=ON
+	$(BUILD) release
+
+## sanitize    the tests under the address, undefined-behaviour and thread sanitizers, with fewer random cases
+sanitize: sanitize-memory sanitize-threads
+
+sanitize-memory:
+	$(INSTALL) build test
+	$(CONFIGURE) --preset asan
+	$(BUILD) asan --target selvage_tests
+	SELVAGE_TEST_SCALE=$(SANITIZE_SCALE) $(CTEST) --preset asan
+
+# Only what runs in parallel.
+sanitize-threads:
+	$(INSTALL) build test
+	$(CONFIGURE) --preset tsan
+	$(BUILD) tsan --target test_core test_mesh test_bvh test_boundary_path
+	SELVAGE_TEST_SCALE=$(SANITIZE_SCALE) $(CTEST) --preset tsan
+
+## fuzz        feed every mesh reader with broken files for FUZZ_SECONDS each (10)
+fuzz:
+	$(INSTALL) build fuzz
+	fuzz/run.sh $(or $(FUZZ_SECONDS),10)
+
+## bench       measure the library against its peer, built on Embree
+bench:
+	$(INSTALL) build test bench
+	$(CONFIGURE) --preset benchmark
+	$(BUILD) benchmark
+	benchmarks/run.sh build/benchmark
+
+## docs        API pages in docs/api/html
+docs:
+	$(INSTALL) docs
+	doxygen docs/Doxyfile
+
+## format      lay out all sources by .clang-format
+format:
+	$(INSTALL) lint
+	clang-format -i $(SOURCES)
+
+## lint        clang-tidy over all sources
+lint: build-tests
+	$(INSTALL) lint
+	run-clang-tidy -quiet -j $(JOBS) -p build/release '/(src|tests)/'
+
+## install     install the library and the tool under PREFIX (/usr/local)
+install: cli
+	cmake --install build/release --prefix $(PREFIX)
+
+## clean       remove everything that was built
+clean:
+	rm -rf build demo-output docs/api
+
+help:
+	@sed -n 's/^## /make /p' $(MAKEFILE_LIST)
+
+.PHONY: demo cli test test-long build-tests sanitize sanitize-memory sanitize-threads fuzz bench docs format lint install \
+        clean help
