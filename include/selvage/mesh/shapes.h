@@ -3,42 +3,76 @@
 #include "selvage/core/types.h"
 #include "selvage/mesh/mesh_file.h"
 
-#include <string>
+#include <cstdint>
+#include <optional>
+#include <string_view>
 
 namespace selvage {
 
 /// Tetrahedral and triangle meshes made by formula, so that everything can be tried without data. All elements are
-/// positive and well shaped; the same arguments give the same bits. Lengths in metres.
+/// positive and well shaped, and no shape touches itself; the same arguments give the same bits. Lengths in metres.
 
-/// Axis-aligned box [0, size] cut into cells of about `cell` edge length, each cut into tetrahedra that meet face to face.
+/// Axis-aligned box [0, size] cut into cells of about `cell` edge length, each cut into tetrahedra that meet face to
+/// face.
 /// @throws Error  when a size or the cell is not positive and finite, or the mesh would exceed 2^29 elements; so do all
 MeshFile make_box(const Vec3& size, double cell);
 
 /// Ball of the given radius around the origin, by isosurface stuffing.
 MeshFile make_ball(double radius, double cell);
 
-/// Solid torus around the z axis.
+/// Solid torus around the z axis: a disc of radius `minor_radius` swept along a circle of radius `major_radius`.
 MeshFile make_torus(double major_radius, double minor_radius, double cell);
 
-/// Hollow pipe along z, by structured cells: outer and inner radius.
+/// Hollow pipe from z = 0 to z = length, by structured cells: outer and inner radius.
 MeshFile make_tube(double outer_radius, double inner_radius, double length, double cell);
 
-/// Centre lines for rods.
+/// Centre lines for rods: along x; a trefoil knot; a rope that follows a trefoil twice, twining around itself (a knot
+/// nested in a knot); and a long noodle laid as a coil around z.
 enum class RodCurve { kStraight, kTrefoil, kNestedKnot, kCoil };
 
-/// Rod of circular cross-section swept along a curve of the given total length (closed where the curve is closed).
+/// Rod of circular cross-section swept along a curve of the given total length; the knots are closed.
+/// @throws Error  also when the radius is so large that the rod would touch itself
 MeshFile make_rod(RodCurve curve, double length, double radius, double cell);
 
-/// Ball with `tentacles` thin arms standing out of it, by isosurface stuffing; `seed` jitters their directions.
+/// Ball with `tentacles` thin arms, as long as its radius, standing out of it, by isosurface stuffing; `seed` jitters
+/// their directions. The more tentacles, the thinner they are.
+/// @throws Error  also when the cell is too coarse for a tentacle
 MeshFile make_squishy_ball(double radius, int tentacles, double cell, unsigned seed);
 
-/// A head with eight bent arms, by isosurface stuffing; `seed` varies how the arms bend.
+/// A head with eight bent arms that reach about `size` from its centre, by isosurface stuffing; `seed` varies how the
+/// arms bend.
+/// @throws Error  also when the cell is too coarse for an arm
 MeshFile make_octopus(double size, double cell, unsigned seed);
 
-/// Rectangular cloth in the xy plane, a triangle surface.
+/// Rectangular cloth [0, width] x [0, height] in the xy plane, a triangle surface.
 MeshFile make_cloth(double width, double height, double cell);
 
 /// Concatenates several meshes into one with several objects; vertices and elements keep their order.
 MeshFile concatenate(std::span<const MeshFile> meshes);
+
+/// What a named shape may be given; what is left out takes the shape's own default.
+struct ShapeOptions {
+  std::optional<double> cell;            ///< edge length of a cell [m]
+  std::optional<std::int64_t> elements;  ///< instead of `cell`: about this many elements
+  std::optional<Vec3> size;              ///< box, beam; cloth (x and y) [m]
+  std::optional<double> length;          ///< rods and tube [m]
+  std::optional<double> radius;          ///< rods, balls, tube (outer), torus (major), octopus (reach) [m]
+  std::optional<double> inner_radius;    ///< tube (inner), torus (minor) [m]
+  std::optional<int> tentacles;          ///< squishy-ball
+  std::optional<unsigned> seed;          ///< squishy-ball, octopus
+};
+
+/// Names that make_shape knows: box, beam, rod, trefoil, nested-knot, noodle, ball, torus, tube, squishy-ball, octopus,
+/// cloth. It also takes sphere for ball.
+std::span<const std::string_view> shape_names();
+
+/// Makes a shape by its name.
+/// @throws Error  for an unknown name, an option that the shape does not have, or arguments that its maker refuses
+MeshFile make_shape(std::string_view name, const ShapeOptions& options = {});
+
+/// The cell with which the shape gets about `target` elements (within about 10 percent, for targets of thousands and
+/// more; a coarse shape jumps from one count to the next).
+/// @throws Error  as make_shape does, and when no cell gives the shape so few elements
+double cell_for_element_count(std::string_view name, const ShapeOptions& options, std::int64_t target);
 
 }  // namespace selvage
