@@ -1,5 +1,6 @@
 #include "selvage/mesh/simplex_mesh.h"
 
+#include "mesh/tuple_check.h"
 #include "mesh/vertex_stars.h"
 #include "selvage/core/error.h"
 #include "selvage/core/parallel.h"
@@ -7,7 +8,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 
 namespace selvage {
 
@@ -15,48 +15,9 @@ namespace {
 
 constexpr std::int64_t kGrain = 4096;
 
-/// The smallest offending index that parallel workers have found, so that an error does not depend on their order.
-class FirstOffender {
- public:
-  void report(Index i) {
-    Index seen = first_.load(std::memory_order_relaxed);
-    while (i < seen && !first_.compare_exchange_weak(seen, i, std::memory_order_relaxed)) {
-    }
-  }
-  bool any() const { return first_ != kNobody; }
-  std::string element() const { return fmt::format("element {}", first_.load()); }
-
- private:
-  static constexpr Index kNobody = std::numeric_limits<Index>::max();
-  std::atomic<Index> first_{kNobody};
-};
-
-template <int N>
-bool repeats_a_vertex(VertexTuple<N> tuple) {
-  std::sort(tuple.begin(), tuple.end());
-  return std::adjacent_find(tuple.begin(), tuple.end()) != tuple.end();
-}
-
 template <int N>
 int local_index(const VertexTuple<N>& tuple, Index vertex) {
   return static_cast<int>(std::find(tuple.begin(), tuple.end(), vertex) - tuple.begin());
-}
-
-template <int D>
-void check_elements(Index vertex_count, std::span<const VertexTuple<D + 1>> elements) {
-  if (elements.empty()) throw Error("mesh", "there is no element", "give at least one");
-  if (elements.size() >= (std::size_t{1} << 29))
-    throw Error("mesh", fmt::format("{} elements are too many", elements.size()), "the limit is 2^29 - 1");
-  FirstOffender out_of_range, repeated;
-  parallel_for(std::ssize(elements), kGrain, [&](std::int64_t e) {
-    for (Index v : elements[e])
-      if (v < 0 || v >= vertex_count) return out_of_range.report(static_cast<Index>(e));
-    if (repeats_a_vertex<D + 1>(elements[e])) repeated.report(static_cast<Index>(e));
-  });
-  if (out_of_range.any())
-    throw Error(out_of_range.element(), "a vertex index is out of range",
-                fmt::format("indices must lie in [0, {})", vertex_count));
-  if (repeated.any()) throw Error(repeated.element(), "repeats a vertex", "remove the element or merge nothing");
 }
 
 /// Calls visit(element, local face) for every other element that has all the vertices of `face`.
@@ -82,7 +43,7 @@ void for_each_across(std::span<const VertexTuple<D + 1>> elements, std::span<con
 template <int D>
 SimplexMesh<D>::SimplexMesh(Index vertex_count, std::vector<Element> elements)
     : vertex_count_(vertex_count), elements_(std::move(elements)) {
-  check_elements<D>(vertex_count_, elements_);
+  check_tuples<D + 1>(vertex_count_, elements_, "element");
   build_vertex_stars<D + 1>(vertex_count_, elements_, vertex_element_, vertex_element_first_);
   find_neighbours();
   list_boundary();
@@ -92,7 +53,7 @@ SimplexMesh<D>::SimplexMesh(Index vertex_count, std::vector<Element> elements)
 template <int D>
 void SimplexMesh<D>::find_neighbours() {
   neighbours_.resize(elements_.size());
-  FirstOffender crowded;
+  FirstOffender crowded("element");
   parallel_for(element_count(), kGrain, [&](std::int64_t e) {
     const Index self = static_cast<Index>(e);
     for (int i = 0; i <= D; ++i) {
@@ -111,7 +72,7 @@ void SimplexMesh<D>::find_neighbours() {
     }
   });
   if (crowded.any())
-    throw Error(crowded.element(), "shares a face with two or more other elements",
+    throw Error(crowded.name(), "shares a face with two or more other elements",
                 "a face may belong to two elements at most: remove doubled elements");
 }
 
