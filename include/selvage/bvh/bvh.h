@@ -1,57 +1,62 @@
 #pragma once
 
+#include "selvage/bvh/box.h"
 #include "selvage/core/types.h"
 
 #include <cstddef>
 
 namespace selvage {
 
-/// Axis-aligned box in single precision that contains what it bounds: rounded outward.
-struct Box {
-  std::array<float, 3> lower;
-  std::array<float, 3> upper;
-
-  /// A box that contains nothing and grows by merging.
-  static Box empty();
-  void merge(const Box& other);
-  /// Half of the surface area.
-  float half_area() const;
-};
-
-/// Smallest box of floats that contains all points; the z of a planar point is 0.
-template <int D>
-Box bounding_box(std::span<const Vec<D>> points);
-
 /// A node of eight children. Child i is a primitive when children[i] >= 0, node ~children[i] when it is negative, and
-/// absent when i >= child_count; absent children have empty boxes (lower > upper), which no test passes.
+/// absent when i >= child_count; absent children have empty boxes (lower > upper). Children that are nodes come before
+/// those that are primitives, and are neighbours in the order of nodes: children[i] == ~(~children[0] + i).
 struct alignas(64) BvhNode {
   static constexpr int kWidth = 8;
   float lower[3][kWidth];
   float upper[3][kWidth];
   Index children[kWidth];
-  Index parent;       ///< kNone for the root
+  Index parent;  ///< kNone for the root
   Index child_count;
   Index reserved[6];  ///< room for what later floors hang on a node
+
+  /// The mask of all children.
+  SELVAGE_INLINE unsigned present() const { return (1u << child_count) - 1u; }
+  SELVAGE_INLINE Box box(int child) const {
+    return {{lower[0][child], lower[1][child], lower[2][child]}, {upper[0][child], upper[1][child], upper[2][child]}};
+  }
 };
 static_assert(sizeof(BvhNode) == 256);
 
 /// Bounding-volume hierarchy over boxes of primitives: eight-wide nodes, one primitive a leaf slot.
 ///
 /// Nodes are stored level by level, the root first, so that children come after their parents and a refit is one linear
-/// pass from the back. Dimension-free: planar primitives have flat boxes.
-/// Built with a binned surface-area heuristic, in parallel; the same tree for any number of threads.
+/// pass from the back. Dimension-free: planar primitives have flat boxes. Without primitives there is no node, and
+/// every query finds nothing. A box may be infinite, or empty: then no query but an unbounded nearest one meets it.
+///
+/// Built with a binned surface-area heuristic, in parallel; the same tree for any number of threads. A sort along a
+/// Morton curve would build faster, but gives trees that take up to three times longer to search, and here a tree is
+/// searched and refitted far more often than it is built. Spatial splits would store a primitive twice, which a refit
+/// and a self-overlap cannot use.
 class Bvh {
  public:
+  /// No tree has more levels, so that a traversal needs no more than a stack of fixed size.
+  static constexpr int kMaxLevels = 64;
+
   Bvh() = default;
 
   /// @param boxes  one box per primitive
+  /// @throws Error when there are more than 2^31 - 1
   explicit Bvh(std::span<const Box> boxes);
 
   /// Takes new boxes for the same primitives: one linear pass, parallel within each level. O(n).
+  /// @throws Error when the number of boxes is not primitive_count()
   void refit(std::span<const Box> boxes);
 
   /// Expected cost of a query against the cost right after building: 1 then, larger when a refit has loosened the tree.
   /// Above 2 (see kRebuildAbove) a rebuild pays. O(1): measured while refitting.
+  ///
+  /// The cost is the surface area of all nodes (in a flat tree: their half perimeter) over that of all primitives: it
+  /// does not change with the scale, nor when whole objects move apart.
   double quality_loss() const { return cost_ / built_cost_; }
   static constexpr double kRebuildAbove = 2.0;
 
@@ -65,9 +70,13 @@ class Bvh {
   std::vector<Index> leaf_order() const;
 
  private:
+  double fit_nodes(std::span<const Box> boxes);
+
   Index primitive_count_ = 0;
   std::vector<BvhNode> nodes_;
-  std::vector<Index> levels_;
+  std::vector<Index> levels_ = {0};
+  bool flat_ = false;        ///< the boxes that it was built over lie in a plane across an axis
+  float measure_scale_ = 1;  ///< 1 / largest extent when built
   double cost_ = 1;
   double built_cost_ = 1;
 };

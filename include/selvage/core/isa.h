@@ -1,6 +1,14 @@
 #pragma once
 
+/// The namespace of code that a kernel file inlines (core/simd.h and the traversals): set by selvage_kernel() in CMake
+/// to the instruction set for which the file is compiled, so that the linker never merges copies of different sets.
+#ifndef SELVAGE_ISA
+#define SELVAGE_ISA baseline
+#endif
+
 namespace selvage {
+
+inline namespace SELVAGE_ISA {}
 
 /// Instruction sets for which kernels are compiled, from the one every x86-64 has to the newest.
 enum class Isa { baseline, avx2, avx512 };

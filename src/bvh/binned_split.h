@@ -1,0 +1,68 @@
+#pragma once
+
+#include "selvage/bvh/bvh.h"
+#include "selvage/core/simd.h"
+
+#include <memory>
+
+namespace selvage {
+
+/// A primitive while the tree is built: its box (clamped to finite numbers), in one load of eight floats. The upper
+/// corner is negated, so that one minimum merges two boxes.
+struct alignas(16) PrimitiveRef {
+  float lower[3];
+  Index primitive;
+  float negated_upper[3];
+  float unused;
+
+  PrimitiveRef() = default;
+  PrimitiveRef(const Box& box, Index which);
+
+  Float8 bounds() const { return Float8::load(lower); }
+  /// Twice the centre.
+  float centre(int axis) const { return lower[axis] - negated_upper[axis]; }
+};
+
+/// Consecutive primitives, with the bounds of their boxes and of their centres (both as a PrimitiveRef holds them).
+struct RefRange {
+  Index begin;
+  Index end;
+  Float8 bounds;
+  Float8 centres;
+
+  Index size() const { return end - begin; }
+};
+
+/// Splits ranges of primitives in two, so that the expected cost of a query is small (surface-area heuristic over 16
+/// bins of centres on each axis). Large ranges are split in parallel; the result is the same for any number of threads.
+class RangeSplitter {
+ public:
+  explicit RangeSplitter(std::span<const Box> boxes);
+
+  RefRange make_range(Index begin, Index end) const;
+
+  /// Surface measure of a box, relative to the largest extent of `whole`, so that it neither overflows nor vanishes.
+  float measure(Float8 bounds, Float8 whole) const;
+
+  /// Splits a range of at least two primitives where the measured cost is smallest; in halves, by centre along the
+  /// widest axis, when `halve` asks for it or the centres are too close to tell apart.
+  std::array<RefRange, 2> split(const RefRange& range, bool halve);
+
+  Index primitive(Index position) const { return refs_[position].primitive; }
+  bool flat() const { return flat_; }
+  float largest_extent() const { return largest_extent_; }
+  /// Nothing is split any more.
+  void free_scratch() { scratch_.reset(); }
+
+ private:
+  Index partition(const RefRange& range, int axis, float origin, float scale, int first_right_bin);
+  Index partition_parallel(Index begin, Index end, int axis, float origin, float scale, int first_right_bin);
+  Index halve_range(const RefRange& range);
+
+  std::unique_ptr<PrimitiveRef[]> refs_;
+  std::unique_ptr<PrimitiveRef[]> scratch_;
+  bool flat_ = false;
+  float largest_extent_ = 0;
+};
+
+}  // namespace selvage
