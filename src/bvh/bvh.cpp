@@ -89,7 +89,7 @@ double Bvh::fit_nodes(std::span<const Box> boxes) {
   const double root = measure_box(bounds_of(nodes_[0]), measure);
   // Points have no surface: then, and only then, the little share of the root decides.
   const double cost = (sums.nodes + root) / (sums.primitives + 1e-6 * root);
-  return std::isfinite(cost) ? cost : 1;
+  return cost > 0 && std::isfinite(cost) ? cost : 1;
 }
 
 std::vector<Index> Bvh::leaf_order() const {
