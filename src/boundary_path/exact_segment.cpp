@@ -1,0 +1,307 @@
+#include "boundary_path/exact_segment.h"
+
+#include "geometry/exact_integer.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace selvage {
+
+namespace {
+
+template <int D>
+using IntVec = std::array<ExactInt, D>;
+
+template <int D>
+ExactInt dot(const IntVec<D>& a, const IntVec<D>& b) {
+  ExactInt sum = a[0] * b[0] + a[1] * b[1];
+  if constexpr (D == 3) sum += a[2] * b[2];
+  return sum;
+}
+
+template <int D>
+IntVec<D> minus(const IntVec<D>& a, const IntVec<D>& b) {
+  IntVec<D> r;
+  for (int i = 0; i < D; ++i) r[i] = a[i] - b[i];
+  return r;
+}
+
+template <int D>
+IntVec<D> times(const IntVec<D>& a, const ExactInt& k) {
+  IntVec<D> r;
+  for (int i = 0; i < D; ++i) r[i] = a[i] * k;
+  return r;
+}
+
+IntVec<3> cross(const IntVec<3>& a, const IntVec<3>& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+ExactInt cross(const IntVec<2>& a, const IntVec<2>& b) {
+  return a[0] * b[1] - a[1] * b[0];
+}
+
+/// The points relative to p, all scaled to integers by one power of two.
+template <int D, std::size_t N>
+std::array<IntVec<D>, N> relative_integers(const Vec<D>& p, const std::array<Vec<D>, N>& points) {
+  std::array<double, (N + 1) * D> values;
+  for (int i = 0; i < D; ++i) values[i] = p[i];
+  for (std::size_t k = 0; k < N; ++k)
+    for (int i = 0; i < D; ++i) values[(k + 1) * D + i] = points[k][i];
+  std::array<ExactInt, (N + 1) * D> integers;
+  to_common_integers(values, integers);
+  std::array<IntVec<D>, N> relative;
+  for (std::size_t k = 0; k < N; ++k)
+    for (int i = 0; i < D; ++i) relative[k][i] = integers[(k + 1) * D + i] - integers[i];
+  return relative;
+}
+
+/// s - p = numerator / denominator, with a positive denominator.
+template <int D>
+struct Offset {
+  IntVec<D> numerator;
+  ExactInt denominator = 1;
+};
+
+template <int D>
+Offset<D> offset_to(int count, const IntVec<D>* v) {
+  if (count == 1) return {v[0], 1};
+  if (count == 2) {
+    const IntVec<D> e = minus<D>(v[1], v[0]);
+    const ExactInt squared = dot<D>(e, e);
+    if (squared == 0) return {v[0], 1};
+    return {minus<D>(times<D>(v[0], squared), times<D>(e, dot<D>(v[0], e))), squared};
+  }
+  if constexpr (D == 3) {
+    const IntVec<3> n = cross(minus<3>(v[1], v[0]), minus<3>(v[2], v[0]));
+    const ExactInt squared = dot<3>(n, n);
+    if (squared != 0) return {times<3>(n, dot<3>(n, v[0])), squared};
+  }
+  return {v[0], 1};
+}
+
+/// Normal of a face such that orientation(face, x) = normal . (x - face[0]).
+IntVec<3> face_normal(const std::array<IntVec<3>, 3>& f) {
+  return cross(minus<3>(f[1], f[0]), minus<3>(f[2], f[0]));
+}
+IntVec<2> face_normal(const std::array<IntVec<2>, 2>& f) {
+  const IntVec<2> e = minus<2>(f[1], f[0]);
+  return {-e[1], e[0]};
+}
+
+/// The segment and a face as integers relative to p.
+template <int D>
+struct SegmentAndFace {
+  Offset<D> offset;
+  std::array<IntVec<D>, D> face;
+  IntVec<D> normal;
+  ExactInt height;  ///< normal . face[0]: minus the orientation of (face, p)
+  ExactInt slope;   ///< normal . offset numerator
+
+  SegmentAndFace(const Vec<D>& p, const TargetSimplex<D>& target, const FacePoints<D>& points) {
+    std::array<Vec<D>, 2 * D> all;
+    for (int i = 0; i < D; ++i) {
+      all[i] = i < target.count ? target.vertices[i] : p;
+      all[D + i] = points[i];
+    }
+    const auto relative = relative_integers<D>(p, all);
+    offset = offset_to<D>(target.count, relative.data());
+    for (int i = 0; i < D; ++i) face[i] = relative[D + i];
+    normal = face_normal(face);
+    height = dot<D>(normal, face[0]);
+    slope = dot<D>(normal, offset.numerator);
+  }
+
+  int start() const { return -sign_of(height); }
+  int end() const { return sign_of(ExactInt(slope - offset.denominator * height)); }
+  bool line_in_plane() const { return height == 0 && slope == 0; }
+};
+
+int side_of(const IntVec<2>& d, const IntVec<2>& a) {
+  return sign_of(cross(d, a));
+}
+int side_of(const IntVec<3>& d, const IntVec<3>& a, const IntVec<3>& b) {
+  return sign_of(dot<3>(d, cross(a, b)));
+}
+
+/// Whether a line that crosses the plane of the face passes through the closed face.
+bool passes_through(const SegmentAndFace<2>& s) {
+  const IntVec<2>& d = s.offset.numerator;
+  return side_of(d, s.face[0]) * side_of(d, s.face[1]) <= 0;
+}
+bool passes_through(const SegmentAndFace<3>& s) {
+  const IntVec<3>& d = s.offset.numerator;
+  bool positive = false, negative = false;
+  for (int i = 0; i < 3; ++i) {
+    const int side = side_of(d, s.face[i], s.face[(i + 1) % 3]);
+    positive |= side > 0;
+    negative |= side < 0;
+  }
+  return !(positive && negative);
+}
+
+/// Whether a segment on the line of an edge meets it.
+bool overlaps_in_plane(const SegmentAndFace<2>& s, bool whole_line) {
+  if (whole_line) return true;
+  const IntVec<2>& d = s.offset.numerator;
+  const ExactInt end = dot<2>(d, d);
+  const ExactInt a = s.offset.denominator * dot<2>(d, s.face[0]), b = s.offset.denominator * dot<2>(d, s.face[1]);
+  return std::max(a, b) >= 0 && std::min(a, b) <= end;
+}
+
+/// Whether a segment in the plane of a triangle meets it: separating axes in the projection along one coordinate.
+bool overlaps_in_plane(const SegmentAndFace<3>& s, bool whole_line) {
+  int drop = 0;
+  while (drop < 2 && s.normal[drop] == 0) ++drop;
+  const auto flat = [&](const IntVec<3>& v) { return IntVec<2>{v[(drop + 1) % 3], v[(drop + 2) % 3]}; };
+  const IntVec<2> d = flat(s.offset.numerator);
+  std::array<IntVec<2>, 3> t;
+  for (int i = 0; i < 3; ++i) t[i] = times<2>(flat(s.face[i]), s.offset.denominator);
+  int left = 0, right = 0;
+  for (const auto& v : t) {
+    left += side_of(d, v) > 0;
+    right += side_of(d, v) < 0;
+  }
+  if (left == 3 || right == 3) return false;
+  if (whole_line) return true;
+  const IntVec<2> origin{0, 0};
+  for (int i = 0; i < 3; ++i) {
+    const IntVec<2>&a = t[i], &b = t[(i + 1) % 3], &c = t[(i + 2) % 3];
+    const IntVec<2> e = minus<2>(b, a);
+    const int inside = side_of(e, minus<2>(c, a));
+    if (side_of(e, minus<2>(origin, a)) * inside < 0 && side_of(e, minus<2>(d, a)) * inside < 0) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+template <int D>
+int ExactSegment<D>::side(const std::array<Vec<D>, D - 1>& points) const {
+  std::array<Vec<D>, 2 * D - 1> all;
+  for (int i = 0; i < D; ++i) all[i] = i < target_.count ? target_.vertices[i] : p_;
+  for (int i = 0; i < D - 1; ++i) all[D + i] = points[i];
+  const auto relative = relative_integers<D>(p_, all);
+  const IntVec<D> d = offset_to<D>(target_.count, relative.data()).numerator;
+  if constexpr (D == 2)
+    return side_of(d, relative[D]);
+  else
+    return side_of(d, relative[D], relative[D + 1]);
+}
+
+template <int D>
+int ExactSegment<D>::side_of_start(const FacePoints<D>& face) const {
+  return SegmentAndFace<D>(p_, target_, face).start();
+}
+
+template <int D>
+int ExactSegment<D>::side_of_end(const FacePoints<D>& face) const {
+  return SegmentAndFace<D>(p_, target_, face).end();
+}
+
+template <int D>
+bool ExactSegment<D>::touches(const FacePoints<D>& face) const {
+  const SegmentAndFace<D> s(p_, target_, face);
+  const int start = s.start(), end = s.end();
+  if (start * end > 0) return false;
+  return start == 0 && end == 0 ? overlaps_in_plane(s, false) : passes_through(s);
+}
+
+template <int D>
+bool ExactSegment<D>::line_touches(const FacePoints<D>& face) const {
+  const SegmentAndFace<D> s(p_, target_, face);
+  if (s.line_in_plane()) return overlaps_in_plane(s, true);
+  return s.slope != 0 && passes_through(s);
+}
+
+template <int D>
+bool ExactSegment<D>::crosses_within_reach(const FacePoints<D>& face) const {
+  const SegmentAndFace<D> s(p_, target_, face);
+  // The line meets the plane at p + lambda (s - p) with lambda = denominator * height / slope; |lambda - 1| <= 2.
+  ExactInt crossing = s.offset.denominator * s.height, slope = s.slope;
+  if (slope < 0) {
+    crossing = -crossing;
+    slope = -slope;
+  }
+  return -slope <= crossing && crossing <= 3 * slope;
+}
+
+template class ExactSegment<2>;
+template class ExactSegment<3>;
+
+unsigned exact_closest_mask(const Vec2& p, const std::array<Vec2, 2>& face) {
+  const auto v = relative_integers<2>(p, face);
+  const IntVec<2> e = minus<2>(v[1], v[0]);
+  if (dot<2>(v[0], e) >= 0) return 0b01;
+  if (dot<2>(v[1], e) <= 0) return 0b10;
+  return 0b11;
+}
+
+unsigned exact_closest_mask(const Vec3& p, const std::array<Vec3, 3>& face) {
+  const auto v = relative_integers<3>(p, face);
+  std::array<IntVec<3>, 3> e;  // edge i is opposite to vertex i
+  for (int i = 0; i < 3; ++i) e[i] = minus<3>(v[(i + 2) % 3], v[(i + 1) % 3]);
+  // Moving from vertex i along either of its edges must not come closer.
+  for (int i = 0; i < 3; ++i)
+    if (dot<3>(v[i], e[(i + 2) % 3]) >= 0 && dot<3>(v[i], e[(i + 1) % 3]) <= 0) return 1u << i;
+  const IntVec<3> n = cross(e[2], minus<3>(v[2], v[0]));
+  for (int i = 0; i < 3; ++i) {
+    const int a = (i + 1) % 3, b = (i + 2) % 3;
+    const bool between = dot<3>(v[a], e[i]) <= 0 && dot<3>(v[b], e[i]) >= 0;
+    // p lies beyond edge (a, b) or above it: det(n, b - a, p - a) >= 0 means the inner side.
+    if (between && dot<3>(v[a], cross(n, e[i])) >= 0) return (1u << a) | (1u << b);
+  }
+  return 0b111;
+}
+
+namespace {
+
+/// numerator / denominator * 2^exponent, correct to one unit in the last place; the denominator is positive.
+double quotient(const ExactInt& numerator, const ExactInt& denominator, int exponent) {
+  if (numerator == 0) return 0;
+  const ExactInt magnitude = abs(numerator);
+  const int shift = 64 + static_cast<int>(msb(denominator)) - static_cast<int>(msb(magnitude));
+  const ExactInt q =
+      shift >= 0 ? ExactInt((magnitude << shift) / denominator) : ExactInt(magnitude / (denominator << -shift));
+  const double value = std::ldexp(q.convert_to<double>(), exponent - shift);
+  return numerator < 0 ? -value : value;
+}
+
+}  // namespace
+
+template <int D>
+PreciseOffset<D> precise_offset(const Vec<D>& p, const TargetSimplex<D>& target) {
+  std::array<double, (D + 1) * D> values;
+  for (int i = 0; i < D; ++i) {
+    values[i] = p[i];
+    for (int k = 0; k < D; ++k) values[(k + 1) * D + i] = k < target.count ? target.vertices[k][i] : p[i];
+  }
+  std::array<ExactInt, (D + 1) * D> integers;
+  const int exponent = to_common_integers(values, integers);
+  std::array<IntVec<D>, D> v;
+  for (int k = 0; k < D; ++k)
+    for (int i = 0; i < D; ++i) v[k][i] = integers[(k + 1) * D + i] - integers[i];
+
+  const Offset<D> offset = offset_to<D>(target.count, v.data());
+  PreciseOffset<D> result;
+  for (int i = 0; i < D; ++i) result.offset[i] = quotient(offset.numerator[i], offset.denominator, exponent);
+  result.barycentric[0] = 1;
+  if (target.count == 2) {
+    const IntVec<D> e = minus<D>(v[1], v[0]);
+    result.barycentric[1] = quotient(-dot<D>(v[0], e), offset.denominator, 0);
+    result.barycentric[0] = quotient(dot<D>(v[1], e), offset.denominator, 0);
+  }
+  if constexpr (D == 3) {
+    if (target.count == 3) {
+      const IntVec<3> n = cross(minus<3>(v[1], v[0]), minus<3>(v[2], v[0]));
+      for (int i = 0; i < 3; ++i)
+        result.barycentric[i] = quotient(dot<3>(cross(v[(i + 1) % 3], v[(i + 2) % 3]), n), offset.denominator, 0);
+    }
+  }
+  return result;
+}
+
+template PreciseOffset<2> precise_offset<2>(const Vec2&, const TargetSimplex<2>&);
+template PreciseOffset<3> precise_offset<3>(const Vec3&, const TargetSimplex<3>&);
+
+}  // namespace selvage

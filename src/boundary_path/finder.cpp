@@ -1,0 +1,337 @@
+#include "boundary_path/containment_kernel.h"
+#include "boundary_path/path_kernel.h"
+#include "boundary_path/pose.h"
+#include "selvage/core/error.h"
+#include "selvage/core/isa.h"
+#include "selvage/core/parallel.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace selvage {
+
+PathCounters& PathCounters::operator+=(const PathCounters& other) {
+  volumes_visited += other.volumes_visited;
+  faces_visited += other.faces_visited;
+  culled += other.culled;
+  traversals += other.traversals;
+  elements_visited += other.elements_visited;
+  exact_decisions += other.exact_decisions;
+  return *this;
+}
+
+void append_found(std::vector<PointInElement>& found, PointInElement pair) {
+  found.push_back(pair);
+}
+
+template <int D>
+struct BoundaryPathFinder<D>::State {
+  const SimplexMesh<D>& mesh;
+  PathOptions options;
+  PathTopology<D> topology;
+  Pose<D> pose;
+  Bvh faces, elements;
+  std::vector<Index> element_rank;  ///< place of each element in the order of the leaves: near in rank, near in space
+  std::vector<Index> vertex_order;  ///< boundary vertices in that order
+
+  State(const SimplexMesh<D>& m, std::span<const Vec<D>> positions, PathOptions o)
+      : mesh(m), options(o), topology(m), pose(m, topology) {
+    rebuild(positions);
+  }
+
+  void update(std::span<const Vec<D>> positions) {
+    pose.set(positions);
+    faces.refit(face_boxes());
+    elements.refit(element_boxes());
+    if (faces.quality_loss() > Bvh::kRebuildAbove) faces = Bvh(face_boxes());
+    if (elements.quality_loss() > Bvh::kRebuildAbove) build_elements();
+  }
+
+  void rebuild(std::span<const Vec<D>> positions) {
+    pose.set(positions);
+    faces = Bvh(face_boxes());
+    build_elements();
+  }
+
+  void build_elements() {
+    elements = Bvh(element_boxes());
+    const std::vector<Index> order = elements.leaf_order();
+    element_rank.resize(order.size());
+    for (std::size_t i = 0; i < order.size(); ++i) element_rank[order[i]] = static_cast<Index>(i);
+    vertex_order.assign(mesh.boundary_vertices().begin(), mesh.boundary_vertices().end());
+    const auto rank = [&](Index v) { return element_rank[mesh.vertex_elements(v).front()]; };
+    std::sort(vertex_order.begin(), vertex_order.end(),
+              [&](Index a, Index b) { return std::pair(rank(a), a) < std::pair(rank(b), b); });
+  }
+
+  template <std::size_t N>
+  Box box_of(const VertexTuple<N>& vertices) const {
+    const auto x = pose.positions();
+    Vec<D> lower = x[vertices[0]], upper = lower;
+    for (std::size_t i = 1; i < N; ++i) {
+      lower = lower.cwiseMin(x[vertices[i]]);
+      upper = upper.cwiseMax(x[vertices[i]]);
+    }
+    return pose.frame().around(lower, upper);
+  }
+
+  std::vector<Box> face_boxes() const {
+    std::vector<Box> boxes(mesh.boundary_face_count());
+    parallel_for(std::ssize(boxes), 4096, [&](std::int64_t b) { boxes[b] = box_of(mesh.boundary_faces()[b]); });
+    return boxes;
+  }
+
+  std::vector<Box> element_boxes() const {
+    std::vector<Box> boxes(mesh.element_count());
+    parallel_for(std::ssize(boxes), 4096, [&](std::int64_t e) { boxes[e] = box_of(mesh.elements()[e]); });
+    return boxes;
+  }
+
+  PathScene<D> scene() const {
+    return {pose.positions().data(),
+            mesh.elements().data(),
+            mesh.neighbours().data(),
+            mesh.boundary_faces().data(),
+            mesh.boundary_owners().data(),
+            mesh.boundary_neighbours().data(),
+            &mesh,
+            faces.nodes(),
+            pose.frame(),
+            topology.component_of.data(),
+            pose.component_states().data(),
+            pose.cullable().data(),
+            topology.hints.data(),
+            pose.inverted_owners().data(),
+            options};
+  }
+
+  ContainmentScene<D> containment_scene() const {
+    return {pose.positions().data(), mesh.elements().data(), elements.nodes(), pose.frame()};
+  }
+
+  Vec<D> to_scene(const Vec<D>& x) const { return scaled(x, -pose.exponent()); }
+  Vec<D> from_scene(const Vec<D>& x) const { return scaled(x, pose.exponent()); }
+  static Vec<D> scaled(const Vec<D>& x, int exponent) {
+    return x.unaryExpr([exponent](double c) { return std::ldexp(c, exponent); });
+  }
+
+  void check(std::span<const PathQuery<D>> queries, std::span<const Index> warm_start, std::size_t counters) const;
+  BoundaryPath<D> describe(const PathTask<D>& task, const PathResult<D>& result) const;
+  Vec<D> normal_at(Index face, const PathResult<D>& result) const;
+  Vec<D> area_normal(Index face) const;
+  bool is_skipped(Index element) const;
+  std::vector<PointInElement> find_containing(std::span<const Vec<D>> points, std::span<const Index> ids,
+                                              bool skip_own) const;
+};
+
+template <int D>
+void BoundaryPathFinder<D>::State::check(std::span<const PathQuery<D>> queries, std::span<const Index> warm_start,
+                                         std::size_t counters) const {
+  if (!warm_start.empty() && warm_start.size() != queries.size())
+    throw Error("warm_start", fmt::format("{} faces for {} queries", warm_start.size(), queries.size()),
+                "give one face per query, or none at all");
+  if (counters != 0 && counters != queries.size())
+    throw Error("counters", fmt::format("{} counters for {} queries", counters, queries.size()),
+                "give one per query, or none at all");
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const auto where = [&] { return fmt::format("query {}", i); };
+    if (queries[i].element < 0 || queries[i].element >= mesh.element_count())
+      throw Error(where(), fmt::format("there is no element {}", queries[i].element),
+                  fmt::format("elements lie in [0, {})", mesh.element_count()));
+    if (!queries[i].point.allFinite()) throw Error(where(), "a coordinate is not finite", "remove NaN and infinity");
+    for (Index v : queries[i].source)
+      if (v < kNone || v >= mesh.vertex_count())
+        throw Error(where(), fmt::format("there is no source vertex {}", v),
+                    fmt::format("vertices lie in [0, {})", mesh.vertex_count()));
+    if (!warm_start.empty() && (warm_start[i] < kNone || warm_start[i] >= mesh.boundary_face_count()))
+      throw Error(where(), fmt::format("there is no boundary face {} to start from", warm_start[i]),
+                  fmt::format("boundary faces lie in [0, {})", mesh.boundary_face_count()));
+  }
+}
+
+/// Outward normal of a boundary face, as long as its area (times two in space).
+template <>
+Vec3 BoundaryPathFinder<3>::State::area_normal(Index face) const {
+  const auto& f = mesh.boundary_faces()[face];
+  const auto x = pose.positions();
+  return (x[f[1]] - x[f[0]]).cross(x[f[2]] - x[f[0]]);
+}
+
+template <>
+Vec2 BoundaryPathFinder<2>::State::area_normal(Index face) const {
+  const auto& f = mesh.boundary_faces()[face];
+  const Vec2 along = pose.positions()[f[1]] - pose.positions()[f[0]];
+  return {along[1], -along[0]};
+}
+
+template <int D>
+Vec<D> BoundaryPathFinder<D>::State::normal_at(Index face, const PathResult<D>& result) const {
+  Vec<D> normal = Vec<D>::Zero();
+  if (result.target_count == D) {
+    normal = area_normal(face);
+  } else if (result.target_count == 1) {
+    for (Index other : mesh.vertex_boundary_faces(result.target_vertices[0])) normal += area_normal(other);
+  } else {
+    const auto& ids = mesh.boundary_faces()[face];
+    for (int k = 0; k < D; ++k)
+      if (std::find(result.target_vertices.begin(), result.target_vertices.end(), ids[k]) ==
+          result.target_vertices.end())
+        normal = area_normal(face) + area_normal(mesh.boundary_neighbours()[face][k]);
+  }
+  const double length = normal.stableNorm();
+  return length > 0 ? Vec<D>(normal / length) : normal;
+}
+
+template <int D>
+BoundaryPath<D> BoundaryPathFinder<D>::State::describe(const PathTask<D>& task, const PathResult<D>& result) const {
+  BoundaryPath<D> path;
+  path.status = result.status;
+  path.barycentric.setZero();
+  path.point.setZero();
+  path.normal.setZero();
+  if (result.status != PathStatus::kFound) return path;
+  constexpr BoundaryFeature kFeatures[] = {BoundaryFeature::kVertex, BoundaryFeature::kEdge, BoundaryFeature::kFace};
+  path.feature = result.target_count == D ? BoundaryFeature::kFace : kFeatures[result.target_count - 1];
+  path.face = result.face;
+  const auto& ids = mesh.boundary_faces()[result.face];
+  for (int i = 0; i < result.target_count; ++i)
+    path.barycentric[std::find(ids.begin(), ids.end(), result.target_vertices[i]) - ids.begin()] =
+        result.barycentric[i];
+  path.point = from_scene(result.target_count == 1 ? pose.positions()[result.target_vertices[0]]
+                                                   : Vec<D>(task.query.point + result.offset));
+  path.distance = std::ldexp(result.offset.stableNorm(), pose.exponent());
+  path.normal = normal_at(result.face, result);
+  return path;
+}
+
+/// Whether DCD leaves the element out: inverted, and on the boundary (SPB section 3.5).
+template <int D>
+bool BoundaryPathFinder<D>::State::is_skipped(Index element) const {
+  if (pose.defects().inverted_elements == 0) return false;
+  const auto& across = mesh.neighbours()[element];
+  return std::any_of(across.begin(), across.end(), [](Index n) { return n < 0; }) && pose.orientation_of(element) < 0;
+}
+
+template <int D>
+std::vector<PointInElement> BoundaryPathFinder<D>::State::find_containing(std::span<const Vec<D>> points,
+                                                                          std::span<const Index> ids,
+                                                                          bool skip_own) const {
+  constexpr Index kPointsAtOnce = 512;
+  const ContainmentScene<D> scene = containment_scene();
+  const Index count = static_cast<Index>(points.size());
+  std::vector<std::vector<PointInElement>> pieces((count + kPointsAtOnce - 1) / kPointsAtOnce);
+  parallel_for(std::ssize(pieces), 1, [&](std::int64_t k) {
+    const Index first = static_cast<Index>(k) * kPointsAtOnce;
+    const Index n = std::min(kPointsAtOnce, count - first);
+    SELVAGE_DISPATCH(find_containing, scene, PointBatch<D>{points.data() + first, ids.data() + first, n, skip_own},
+                     pieces[k]);
+  });
+  std::vector<PointInElement> all;
+  for (const auto& piece : pieces) all.insert(all.end(), piece.begin(), piece.end());
+  std::sort(all.begin(), all.end(), [](const PointInElement& a, const PointInElement& b) {
+    return std::pair(a.point, a.element) < std::pair(b.point, b.element);
+  });
+  return all;
+}
+
+template <int D>
+BoundaryPathFinder<D>::BoundaryPathFinder(const SimplexMesh<D>& mesh, std::span<const Vec<D>> positions,
+                                          PathOptions options)
+    : state_(std::make_unique<State>(mesh, positions, options)) {}
+
+template <int D>
+BoundaryPathFinder<D>::~BoundaryPathFinder() = default;
+template <int D>
+BoundaryPathFinder<D>::BoundaryPathFinder(BoundaryPathFinder&&) noexcept = default;
+template <int D>
+BoundaryPathFinder<D>& BoundaryPathFinder<D>::operator=(BoundaryPathFinder&&) noexcept = default;
+
+template <int D>
+void BoundaryPathFinder<D>::update(std::span<const Vec<D>> positions) {
+  state_->update(positions);
+}
+
+template <int D>
+void BoundaryPathFinder<D>::rebuild(std::span<const Vec<D>> positions) {
+  state_->rebuild(positions);
+}
+
+template <int D>
+const PoseDefects& BoundaryPathFinder<D>::defects() const {
+  return state_->pose.defects();
+}
+
+template <int D>
+std::vector<BoundaryPath<D>> BoundaryPathFinder<D>::find_paths(std::span<const PathQuery<D>> queries,
+                                                               std::span<const Index> warm_start,
+                                                               std::span<PathCounters> counters) const {
+  state_->check(queries, warm_start, counters.size());
+  std::vector<Index> order(queries.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](Index a, Index b) {
+    return std::pair(state_->element_rank[queries[a].element], a) <
+           std::pair(state_->element_rank[queries[b].element], b);
+  });
+  std::vector<BoundaryPath<D>> paths(queries.size());
+  const PathScene<D> scene = state_->scene();
+  constexpr std::int64_t kQueriesAtOnce = 64;
+  const std::int64_t batches = (std::ssize(order) + kQueriesAtOnce - 1) / kQueriesAtOnce;
+  parallel_for(batches, 1, [&](std::int64_t k) {
+    const auto share = std::span(order).subspan(k * kQueriesAtOnce);
+    const std::size_t n = std::min<std::size_t>(share.size(), kQueriesAtOnce);
+    std::array<PathTask<D>, kQueriesAtOnce> tasks;
+    std::array<PathResult<D>, kQueriesAtOnce> results;
+    std::array<PathCounters, kQueriesAtOnce> counts{};
+    for (std::size_t i = 0; i < n; ++i) {
+      tasks[i].query = queries[share[i]];
+      tasks[i].query.point = state_->to_scene(tasks[i].query.point);
+      tasks[i].warm_start = warm_start.empty() ? kNone : warm_start[share[i]];
+    }
+    SELVAGE_DISPATCH(search_paths, scene, std::span<const PathTask<D>>(tasks.data(), n), results.data(),
+                     counters.empty() ? nullptr : counts.data());
+    for (std::size_t i = 0; i < n; ++i) {
+      paths[share[i]] = state_->describe(tasks[i], results[i]);
+      if (!counters.empty()) counters[share[i]] = counts[i];
+    }
+  });
+  return paths;
+}
+
+template <int D>
+std::vector<PathQuery<D>> BoundaryPathFinder<D>::find_penetrating_vertices() const {
+  std::vector<Vec<D>> points(state_->vertex_order.size());
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] = state_->pose.positions()[state_->vertex_order[i]];
+  std::vector<PathQuery<D>> queries;
+  for (const auto& [vertex, element] : state_->find_containing(points, state_->vertex_order, true))
+    if (!state_->is_skipped(element))
+      queries.push_back({state_->from_scene(state_->pose.positions()[vertex]), element, {vertex, kNone}});
+  return queries;
+}
+
+template <int D>
+typename BoundaryPathFinder<D>::Located BoundaryPathFinder<D>::locate(std::span<const Vec<D>> points) const {
+  std::vector<Vec<D>> scaled(points.size());
+  std::vector<Index> ids(points.size());
+  std::iota(ids.begin(), ids.end(), 0);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!points[i].allFinite())
+      throw Error(fmt::format("point {}", i), "a coordinate is not finite", "remove NaN and infinity");
+    scaled[i] = state_->to_scene(points[i]);
+  }
+  Located located;
+  located.first.assign(points.size() + 1, 0);
+  for (const auto& [point, element] : state_->find_containing(scaled, ids, false)) {
+    located.queries.push_back({points[point], element, {kNone, kNone}});
+    ++located.first[point + 1];
+  }
+  std::partial_sum(located.first.begin(), located.first.end(), located.first.begin());
+  return located;
+}
+
+template class BoundaryPathFinder<2>;
+template class BoundaryPathFinder<3>;
+
+}  // namespace selvage

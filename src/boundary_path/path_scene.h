@@ -1,0 +1,73 @@
+#pragma once
+
+#include "selvage/boundary_path/boundary_path.h"
+#include "selvage/bvh/box.h"
+#include "selvage/bvh/bvh.h"
+
+namespace selvage {
+
+/// What a pose of a component allows (SPB sections 3.2, 3.5 and 3.6).
+enum class ComponentState : std::uint8_t {
+  kImmersed,   ///< locally injective inside: theorems 1 and 2 hold, and with them culling and bounds from blocked rays
+  kOverwound,  ///< no inverted element, but elements turn twice around an interior ridge: only the definition holds
+  kInverted,   ///< inverted or flat elements: the rules of section 3.5
+};
+
+/// How coordinates are mapped to the single-precision boxes of the hierarchies: moved so that the middle of the mesh is
+/// the origin, where floats are finest.
+template <int D>
+struct BoxFrame {
+  Vec<D> origin = Vec<D>::Zero();
+
+  /// Smallest box of floats around the box between two corners.
+  SELVAGE_INLINE Box around(const Vec<D>& lower, const Vec<D>& upper) const {
+    Vec<D> low, high;
+    for (int i = 0; i < D; ++i) {
+      low[i] = lower[i] - origin[i];
+      high[i] = upper[i] - origin[i];
+    }
+    return enclosing_box<D>(low, high);
+  }
+  SELVAGE_INLINE Box around_point(const Vec<D>& p) const { return around(p, p); }
+};
+
+/// Everything that a search reads: topology, the pose and the hierarchies. Positions are scaled by a power of two so
+/// that no product of a few of them overflows.
+template <int D>
+struct PathScene {
+  const Vec<D>* positions;
+  const VertexTuple<D + 1>* elements;
+  const std::array<Index, D + 1>* neighbours;
+  const VertexTuple<D>* boundary_faces;
+  const HalfFace* boundary_owners;
+  const std::array<Index, D>* boundary_neighbours;
+  const SimplexMesh<D>* mesh;  ///< for the stars of vertices
+  std::span<const BvhNode> face_nodes;
+  BoxFrame<D> frame;
+  const Index* component_of;              ///< per element
+  const ComponentState* component_state;  ///< per component
+  const std::uint8_t* cullable;           ///< per vertex: its surroundings are proven to be locally injective
+  const Index* hints;                     ///< per element: a boundary face that is near in the mesh
+  const std::uint8_t* inverted_owner;     ///< per boundary face: its owner is inverted or flat
+  PathOptions options;
+};
+
+/// A query with positions scaled as the scene's, and the face to try first.
+template <int D>
+struct PathTask {
+  PathQuery<D> query;
+  Index warm_start = kNone;
+};
+
+/// What a search found, in the scene's scale. `face` is kNone when nothing was found.
+template <int D>
+struct PathResult {
+  PathStatus status = PathStatus::kNoPath;
+  Index face = kNone;                   ///< the face on which the candidate was found
+  int target_count = 0;                 ///< 1: a vertex, 2: an edge, 3: a triangle
+  VertexTuple<D> target_vertices;       ///< ascending where it is no face
+  std::array<double, D> barycentric{};  ///< with respect to target_vertices
+  Vec<D> offset;                        ///< s - p
+};
+
+}  // namespace selvage

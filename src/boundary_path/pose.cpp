@@ -1,0 +1,223 @@
+#include "boundary_path/pose.h"
+
+#include "selvage/core/error.h"
+#include "selvage/core/parallel.h"
+#include "selvage/geometry/predicates.h"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <cmath>
+
+namespace selvage {
+
+namespace {
+
+constexpr std::int64_t kGrain = 4096;
+
+/// In which half turn from the direction of `first` a link vertex lies: 0 the first half, `first`'s own direction
+/// included, 1 the second. Exact.
+int half_turn(std::span<const Vec3> x, const VertexTuple<2>& ridge, Index first, Index v) {
+  const Vec3 axis = x[ridge[1]] - x[ridge[0]], a = x[first] - x[ridge[0]], b = x[v] - x[ridge[0]];
+  const Vec3 across = axis.cross(a);
+  const double height = across.dot(b);
+  const double bound =
+      64 * 0x1p-53 * axis.lpNorm<Eigen::Infinity>() * a.lpNorm<Eigen::Infinity>() * b.lpNorm<Eigen::Infinity>();
+  const int sign =
+      std::abs(height) > bound + 0x1p-900 ? (height > 0 ? 1 : -1) : orient3d(x[ridge[0]], x[ridge[1]], x[first], x[v]);
+  if (sign != 0) return sign > 0 ? 0 : 1;
+  return across.dot(axis.cross(b)) >= 0 ? 0 : 1;
+}
+
+int half_turn(std::span<const Vec2> x, const VertexTuple<1>& ridge, Index first, Index v) {
+  const int sign = orient2d(x[ridge[0]], x[first], x[v]);
+  if (sign != 0) return sign > 0 ? 0 : 1;
+  return (x[first] - x[ridge[0]]).dot(x[v] - x[ridge[0]]) >= 0 ? 0 : 1;
+}
+
+/// How often a link of less than half a turn a step comes around to the direction of its first vertex.
+template <int D>
+int count_turns(std::span<const Vec<D>> x, const VertexTuple<D - 1>& ridge, std::span<const Index> link) {
+  int turns = 0;
+  for (std::size_t i = 1, before = 0; i < link.size(); ++i) {
+    const std::size_t half = half_turn(x, ridge, link[0], link[i]);
+    turns += before == 1 && half == 0;
+    before = half;
+  }
+  return turns;
+}
+
+/// Whether the link ends exactly in the direction in which it began.
+bool ends_where_it_began(std::span<const Vec3> x, const VertexTuple<2>& ridge, std::span<const Index> link) {
+  return orient3d(x[ridge[0]], x[ridge[1]], x[link.front()], x[link.back()]) == 0;
+}
+bool ends_where_it_began(std::span<const Vec2> x, const VertexTuple<1>& ridge, std::span<const Index> link) {
+  return orient2d(x[ridge[0]], x[link.front()], x[link.back()]) == 0;
+}
+
+template <typename Predicate>
+std::int64_t count_if_parallel(std::int64_t count, Predicate&& predicate) {
+  std::atomic<std::int64_t> sum{0};
+  parallel_ranges(count, kGrain, [&](std::int64_t first, std::int64_t last) {
+    std::int64_t local = 0;
+    for (std::int64_t i = first; i < last; ++i) local += predicate(i) ? 1 : 0;
+    sum.fetch_add(local, std::memory_order_relaxed);
+  });
+  return sum;
+}
+
+}  // namespace
+
+template <int D>
+void Pose<D>::set(std::span<const Vec<D>> positions) {
+  if (std::ssize(positions) != mesh_.vertex_count())
+    throw Error("positions", fmt::format("{} positions for {} vertices", positions.size(), mesh_.vertex_count()),
+                "give one position per vertex");
+  Vec<D> lower = Vec<D>::Constant(HUGE_VAL), upper = -lower;
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    if (!positions[v].allFinite())
+      throw Error(fmt::format("vertex {}", v), "a coordinate is not finite", "remove NaN and infinity");
+    lower = lower.cwiseMin(positions[v]);
+    upper = upper.cwiseMax(positions[v]);
+  }
+  const double largest = std::max(lower.cwiseAbs().maxCoeff(), upper.cwiseAbs().maxCoeff());
+  exponent_ = largest > 0 ? std::ilogb(largest) : 0;
+  // By two factors: 2^-exponent itself may overflow.
+  const double half = std::ldexp(1.0, -exponent_ / 2), rest = std::ldexp(1.0, -exponent_ - -exponent_ / 2);
+  positions_.resize(positions.size());
+  parallel_for(std::ssize(positions), kGrain, [&](std::int64_t v) { positions_[v] = positions[v] * half * rest; });
+  frame_.origin = (lower * half * rest + upper * half * rest) / 2;
+
+  defects_ = {};
+  component_states_.assign(topology_.component_count, ComponentState::kImmersed);
+  find_inverted_elements();
+  find_overwound_interior_ridges();
+  prove_boundary_vertices();
+  find_overwound_boundary_ridges();
+}
+
+template <int D>
+int Pose<D>::orientation_of(Index element) const {
+  std::array<Vec<D>, D + 1> corners;
+  for (int i = 0; i <= D; ++i) corners[i] = positions_[mesh_.elements()[element][i]];
+  return orientation(corners);
+}
+
+template <int D>
+void Pose<D>::find_inverted_elements() {
+  inverted_owners_.assign(mesh_.boundary_face_count(), 0);
+  std::atomic<std::int64_t> flat{0};
+  defects_.inverted_elements = count_if_parallel(mesh_.element_count(), [&](std::int64_t e) {
+    const int sign = orientation_of(static_cast<Index>(e));
+    if (sign > 0) return false;
+    flat += sign == 0;
+    std::atomic_ref(component_states_[topology_.component_of[e]]).store(ComponentState::kInverted);
+    for (Index across : mesh_.neighbours()[e])
+      if (across < 0) inverted_owners_[~across] = 1;
+    return sign < 0;
+  });
+  defects_.degenerate_elements = flat;
+}
+
+template <int D>
+void Pose<D>::find_overwound_interior_ridges() {
+  const auto& fans = topology_.fans;
+  defects_.overwound_interior_ridges = count_if_parallel(std::ssize(fans) - 1, [&](std::int64_t k) {
+    ComponentState& state = component_states_[topology_.component_of[fans[k].element]];
+    if (std::atomic_ref(state).load(std::memory_order_relaxed) == ComponentState::kInverted) return false;
+    const std::span link(topology_.links.data() + fans[k].first_link, fans[k + 1].first_link - fans[k].first_link);
+    if (count_turns<D>(positions_, fans[k].ridge, link) == 0) return false;
+    std::atomic_ref(state).store(ComponentState::kOverwound, std::memory_order_relaxed);
+    return true;
+  });
+}
+
+template <int D>
+void Pose<D>::prove_boundary_vertices() {
+  cullable_.assign(mesh_.vertex_count(), 0);
+  const auto vertices = mesh_.boundary_vertices();
+  parallel_for(std::ssize(vertices), kGrain,
+               [&](std::int64_t i) { cullable_[vertices[i]] = is_boundary_vertex_injective(vertices[i]); });
+}
+
+/// Sufficient, not necessary: seen along the average normal, the boundary faces around the vertex all turn the same way
+/// and go around once. Then the link of the vertex is bounded by a simple polygon on the sphere of directions, and
+/// elements that fill it without an overwound interior ridge cover it once.
+template <>
+bool Pose<3>::is_boundary_vertex_injective(Index v) const {
+  const auto star = mesh_.vertex_boundary_faces(v);
+  std::array<Vec3, 64> normals;
+  if (star.size() > normals.size()) return false;
+  Vec3 axis = Vec3::Zero();
+  for (std::size_t i = 0; i < star.size(); ++i) {
+    const auto& f = mesh_.boundary_faces()[star[i]];
+    normals[i] = (positions_[f[1]] - positions_[f[0]]).cross(positions_[f[2]] - positions_[f[0]]);
+    axis += normals[i];
+  }
+  constexpr double kMargin = 1e-9;  // relative; far above rounding
+  const double axis_length = axis.norm();
+  for (std::size_t i = 0; i < star.size(); ++i)
+    if (!(normals[i].dot(axis) > kMargin * normals[i].norm() * axis_length)) return false;
+  // A half plane that no edge is likely to lie in; an edge too close to it leaves the vertex unproven.
+  const Vec3 across = axis.cross(Vec3(0.3571, 0.6139, 0.7041));
+  const double across_length = across.norm();
+  int turns = 0;
+  for (Index face : star) {
+    const auto& f = mesh_.boundary_faces()[face];
+    const int i = f[0] == v ? 0 : f[1] == v ? 1 : 2;
+    const Vec3 from = positions_[f[(i + 1) % 3]] - positions_[v], to = positions_[f[(i + 2) % 3]] - positions_[v];
+    const double a = across.dot(from), b = across.dot(to);
+    if (!(std::abs(a) > kMargin * from.norm() * across_length)) return false;
+    turns += a < 0 && b > 0;
+  }
+  return turns == 1;
+}
+
+/// The elements around the vertex turn by less than 2 pi.
+template <>
+bool Pose<2>::is_boundary_vertex_injective(Index v) const {
+  const auto star = mesh_.vertex_boundary_faces(v);
+  if (star.size() != 2) return false;
+  const int corner = mesh_.boundary_faces()[star[0]][0] == v ? 1 : 0;
+  std::vector<Index> link;
+  collect_boundary_link(mesh_, star[0], corner, link);
+  if (corner == 0) std::reverse(link.begin(), link.end());
+  return count_turns<2>(positions_, {v}, link) == 0;
+}
+
+template <int D>
+void Pose<D>::find_overwound_boundary_ridges() {
+  std::atomic<std::int64_t> overwound{0};
+  parallel_ranges(mesh_.boundary_face_count(), kGrain, [&](std::int64_t first, std::int64_t last) {
+    std::vector<Index> link;
+    for (std::int64_t b = first; b < last; ++b) {
+      const Index face = static_cast<Index>(b);
+      if (component_states_[topology_.component_of[mesh_.boundary_owners()[b].element()]] == ComponentState::kInverted)
+        continue;
+      for (int k = 0; k < D; ++k) {
+        if (mesh_.boundary_neighbours()[b][k] < face) continue;
+        // The link turns counter-clockwise about the edge against the face's own order, and from the next vertex
+        // inward.
+        VertexTuple<D - 1> ridge;
+        const auto& f = mesh_.boundary_faces()[b];
+        if constexpr (D == 3)
+          ridge = {f[(k + 2) % 3], f[(k + 1) % 3]};
+        else
+          ridge = {f[1 - k]};
+        bool proven = false;
+        for (Index v : ridge) proven |= cullable_[v] != 0;
+        if (proven) continue;
+        collect_boundary_link(mesh_, face, k, link);
+        if (D == 2 && k == 0) std::reverse(link.begin(), link.end());
+        const int turns = count_turns<D>(positions_, ridge, link);
+        overwound += turns > 1 || (turns == 1 && !ends_where_it_began(positions_, ridge, link));
+      }
+    }
+  });
+  defects_.overwound_boundary_ridges = overwound;
+}
+
+template class Pose<2>;
+template class Pose<3>;
+
+}  // namespace selvage

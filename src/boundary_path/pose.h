@@ -1,0 +1,59 @@
+#pragma once
+
+#include "boundary_path/path_scene.h"
+#include "boundary_path/path_topology.h"
+
+namespace selvage {
+
+/// A pose of a mesh: scaled positions, and what is wrong with it.
+template <int D>
+class Pose {
+ public:
+  Pose(const SimplexMesh<D>& mesh, const PathTopology<D>& topology) : mesh_(mesh), topology_(topology) {}
+
+  /// Takes new positions and examines them. O(n), parallel.
+  /// @throws Error  when the number of positions is not that of the vertices, or one is not finite
+  void set(std::span<const Vec<D>> positions);
+
+  std::span<const Vec<D>> positions() const { return positions_; }
+  /// positions() are the given ones times 2^-exponent(), so that the largest coordinate is about 1.
+  int exponent() const { return exponent_; }
+  const BoxFrame<D>& frame() const { return frame_; }
+  const PoseDefects& defects() const { return defects_; }
+  std::span<const ComponentState> component_states() const { return component_states_; }
+
+  /// Per vertex: 1 when its boundary faces are proven to be locally injective, so that candidates there may be culled.
+  std::span<const std::uint8_t> cullable() const { return cullable_; }
+
+  /// Per boundary face: 1 when its owner is inverted or flat.
+  std::span<const std::uint8_t> inverted_owners() const { return inverted_owners_; }
+
+  int orientation_of(Index element) const;
+
+ private:
+  void find_inverted_elements();
+  void find_overwound_interior_ridges();
+  void find_overwound_boundary_ridges();
+  void prove_boundary_vertices();
+  bool is_boundary_vertex_injective(Index v) const;
+
+  const SimplexMesh<D>& mesh_;
+  const PathTopology<D>& topology_;
+  std::vector<Vec<D>> positions_;
+  int exponent_ = 0;
+  BoxFrame<D> frame_;
+  PoseDefects defects_;
+  std::vector<ComponentState> component_states_;
+  std::vector<std::uint8_t> cullable_;
+  std::vector<std::uint8_t> inverted_owners_;
+};
+
+template <>
+bool Pose<2>::is_boundary_vertex_injective(Index v) const;
+template <>
+bool Pose<3>::is_boundary_vertex_injective(Index v) const;
+
+extern template class Pose<2>;
+extern template class Pose<3>;
+
+}  // namespace selvage

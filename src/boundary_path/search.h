@@ -1,0 +1,249 @@
+#pragma once
+
+#include "boundary_path/candidate.h"
+#include "boundary_path/walk.h"
+#include "selvage/bvh/traverse.h"
+
+#include <limits>
+
+namespace selvage {
+inline namespace SELVAGE_ISA {
+
+/// The search for one query's shortest path (SPB supplement, algorithms 3 and 4): boundary faces near to far, until
+/// none can be closer than the answer.
+///
+/// What shrinks the search beside a valid candidate: a segment that leaves p's own material shows a boundary point at
+/// that distance, which theorem 1 makes a bound of the answer; and a culled candidate leads to the neighbouring face
+/// that is closer. Both only where the theorems hold.
+template <int D>
+class Search {
+ public:
+  Search(const PathScene<D>& scene, const PathTask<D>& task, PathCounters* counters)
+      : scene_(scene), task_(task), query_(task.query), counters_(counters), candidates_(scene, query_.point) {}
+
+  PathResult<D> run();
+
+ private:
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  /// Bounds from blocked segments are good to six digits; they are widened by more.
+  static constexpr double kBoundSlack = 1 + 1e-5;
+
+  void start_from_hints();
+  void consider(Index face);
+  void test(const Candidate<D>& candidate);
+  void test_touching(const Candidate<D>& candidate);
+  void accept(const Candidate<D>& candidate);
+  bool is_excluded(Index face) const;
+  bool is_new(Index face);
+  bool was_blocked(const Candidate<D>& candidate) const;
+  Index closer_neighbour(const Candidate<D>& candidate) const;
+  Index smallest_face(const Candidate<D>& candidate) const;
+  bool is_worse(const Candidate<D>& candidate) const;
+  static bool is_zero(const double (&offset)[D]) {
+    for (double x : offset)
+      if (x != 0) return false;
+    return true;
+  }
+  double squared_bound() const { return std::min(best_squared_, known_squared_); }
+
+  const PathScene<D>& scene_;
+  const PathTask<D>& task_;
+  const PathQuery<D>& query_;
+  PathCounters* counters_;
+  CandidateFactory<D> candidates_;
+  bool strictly_inside_ = false;
+  bool theorems_hold_ = false;
+  bool inverted_ = false;
+  Index component_ = 0;
+
+  Candidate<D> best_;
+  double best_squared_ = kInfinity;
+  double known_squared_ = kInfinity;  ///< some boundary point that p can reach is this close
+  double reject_above_ = kInfinity;   ///< distance of squared_bound(), widened for the rounding of squares
+
+  static constexpr int kRemembered = 64, kBlocked = 8;
+  Index seen_[kRemembered];
+  VertexTuple<D> blocked_[kBlocked];
+  int blocked_count_ = 0;
+};
+
+template <int D>
+PathResult<D> Search<D>::run() {
+  PathResult<D> result;
+  std::array<Vec<D>, D + 1> corners;
+  for (int i = 0; i <= D; ++i) corners[i] = scene_.positions[scene_.elements[query_.element][i]];
+  const Containment at = locate_in_simplex<D>(corners, query_.point);
+  if (!at.inside) {
+    result.status = PathStatus::kNotInElement;
+    return result;
+  }
+  strictly_inside_ = at.zero_mask == 0;
+  component_ = scene_.component_of[query_.element];
+  inverted_ = scene_.component_state[component_] == ComponentState::kInverted;
+  // Faces that contain p materially are no candidates, which the theorems do not know: rely on them only where p is
+  // known to be off the boundary, or is a vertex that came from elsewhere.
+  const auto& vertices = scene_.elements[query_.element];
+  const bool own = query_.source[0] == kNone
+                       ? !strictly_inside_
+                       : contains(vertices, query_.source[0]) || contains(vertices, query_.source[1]);
+  theorems_hold_ = scene_.component_state[component_] == ComponentState::kImmersed && !own;
+  for (Index& slot : seen_) slot = kNone;
+
+  start_from_hints();
+  const Box box = scene_.frame.around_point(query_.point);
+  std::int64_t volumes = 0;
+  visit_nearest(
+      scene_.face_nodes, box, round_up(squared_bound()),
+      [&](Index face, float) {
+        consider(face);
+        return round_up(squared_bound());
+      },
+      volumes);
+  if (counters_ != nullptr) counters_->volumes_visited += volumes;
+
+  if (best_squared_ == kInfinity) return result;
+  result.status = PathStatus::kFound;
+  result.face = smallest_face(best_);
+  result.target_count = best_.target.count;
+  result.target_vertices = best_.ids;
+  result.barycentric = best_.barycentric;
+  for (int i = 0; i < D; ++i) result.offset[i] = best_.offset[i];
+  return result;
+}
+
+template <int D>
+void Search<D>::start_from_hints() {
+  if (task_.warm_start != kNone) consider(task_.warm_start);
+  if (scene_.options.use_hints && scene_.hints[query_.element] != kNone) consider(scene_.hints[query_.element]);
+}
+
+/// Boundary faces that have all the vertices on which p lies.
+template <int D>
+bool Search<D>::is_excluded(Index face) const {
+  if (query_.source[0] == kNone) return false;
+  const auto& ids = scene_.boundary_faces[face];
+  return contains(ids, query_.source[0]) && (query_.source[1] == kNone || contains(ids, query_.source[1]));
+}
+
+template <int D>
+bool Search<D>::is_new(Index face) {
+  Index& slot = seen_[face % kRemembered];
+  if (slot == face) return false;
+  slot = face;
+  return true;
+}
+
+template <int D>
+void Search<D>::consider(Index face) {
+  while (face != kNone && is_new(face)) {
+    if (scene_.component_of[scene_.boundary_owners[face].element()] != component_ || is_excluded(face)) return;
+    if (inverted_ && scene_.inverted_owner[face]) return;
+    if (counters_ != nullptr) ++counters_->faces_visited;
+    const auto estimate = candidates_.estimate(face);
+    const double limit = reject_above_ + estimate.error;
+    if (estimate.squared_distance > limit * limit) return;
+    const Candidate<D> candidate = candidates_.make(face, estimate);
+    if (is_worse(candidate) || was_blocked(candidate)) return;
+    if (is_zero(candidate.offset)) return test_touching(candidate);
+    const Index closer = closer_neighbour(candidate);
+    if (closer == kNone) return test(candidate);
+    if (counters_ != nullptr) ++counters_->culled;
+    face = closer;
+  }
+}
+
+/// Farther than the answer or, just as far, on a face with a larger index.
+template <int D>
+bool Search<D>::is_worse(const Candidate<D>& candidate) const {
+  if (candidate.squared_distance != squared_bound()) return candidate.squared_distance > squared_bound();
+  return candidate.squared_distance == best_squared_ && smallest_face(candidate) >= smallest_face(best_);
+}
+
+template <int D>
+bool Search<D>::was_blocked(const Candidate<D>& candidate) const {
+  if (candidate.target.count == D) return false;
+  for (int i = 0; i < std::min(blocked_count_, kBlocked); ++i)
+    if (blocked_[i] == candidate.ids) return true;
+  return false;
+}
+
+/// A face next to the candidate's vertex or edge that comes closer to p: then the candidate is not the answer (SPB
+/// section 3.6). kNone when there is none, when rounding leaves a doubt, or when the argument does not hold there.
+template <int D>
+Index Search<D>::closer_neighbour(const Candidate<D>& candidate) const {
+  if (!theorems_hold_ || !scene_.options.cull_infeasible_regions || candidate.target.count == D) return kNone;
+  const auto comes_closer = [&](Index from, Index to) {
+    const Vec<D>&a = scene_.positions[from], &b = scene_.positions[to];
+    double slope = 0, bound = 0;
+    for (int i = 0; i < D; ++i) {
+      const double step = b[i] - a[i];
+      slope += candidate.offset[i] * step;
+      bound += (8 * kUnitRoundoff * std::abs(candidate.offset[i]) + candidate.offset_error) * std::abs(step);
+    }
+    return slope < -2 * bound - kTrustAbove;
+  };
+  if (candidate.target.count == 1) {
+    const Index v = candidate.ids[0];
+    if (!scene_.cullable[v]) return kNone;
+    for (Index face : scene_.mesh->vertex_boundary_faces(v)) {
+      if (is_excluded(face)) continue;
+      for (Index w : scene_.boundary_faces[face])
+        if (w != v && comes_closer(v, w)) return face;
+    }
+    return kNone;
+  }
+  const Index a = candidate.ids[0], b = candidate.ids[1];
+  if (!scene_.cullable[a] && !scene_.cullable[b]) return kNone;
+  const auto apex = [&](Index face) {
+    int k = 0;
+    while (scene_.boundary_faces[face][k] == a || scene_.boundary_faces[face][k] == b) ++k;
+    return k;
+  };
+  const Index other = scene_.boundary_neighbours[candidate.face][apex(candidate.face)];
+  if (is_excluded(other) || !comes_closer(a, scene_.boundary_faces[other][apex(other)])) return kNone;
+  return other;
+}
+
+/// p itself lies on the face. It is a candidate only for a penetrating vertex or edge that touches it.
+template <int D>
+void Search<D>::test_touching(const Candidate<D>& candidate) {
+  if (query_.source[0] == kNone) return;
+  if (Walk<D>(scene_, query_, strictly_inside_, counters_).is_on(candidate.face)) accept(candidate);
+}
+
+template <int D>
+void Search<D>::test(const Candidate<D>& candidate) {
+  const Walk<D> walk(scene_, query_, strictly_inside_, counters_);
+  WalkResult result;
+  if (inverted_)
+    result.valid = walk.follow_backwards(candidate);
+  else
+    result = walk.follow(candidate, theorems_hold_ && squared_bound() == kInfinity);
+  if (result.valid) return accept(candidate);
+  if (candidate.target.count < D) blocked_[blocked_count_++ % kBlocked] = candidate.ids;
+  if (!theorems_hold_ || result.left_through == kNone || is_excluded(result.left_through)) return;
+  const double length = std::sqrt(candidate.squared_distance) * result.left_at * kBoundSlack;
+  known_squared_ = std::min(known_squared_, length * length);
+  reject_above_ = std::sqrt(squared_bound()) * kBoundSlack;
+}
+
+template <int D>
+void Search<D>::accept(const Candidate<D>& candidate) {
+  best_ = candidate;
+  best_squared_ = candidate.squared_distance;
+  reject_above_ = std::sqrt(squared_bound()) * kBoundSlack;
+}
+
+/// The smallest boundary face that holds the candidate's feature.
+template <int D>
+Index Search<D>::smallest_face(const Candidate<D>& candidate) const {
+  if (candidate.target.count == D) return candidate.face;
+  for (Index face : scene_.mesh->vertex_boundary_faces(candidate.ids[0])) {
+    const bool holds = candidate.target.count == 1 || contains(scene_.boundary_faces[face], candidate.ids[1]);
+    if (holds && !is_excluded(face)) return face;
+  }
+  return candidate.face;
+}
+
+}  // namespace SELVAGE_ISA
+}  // namespace selvage

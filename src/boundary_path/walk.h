@@ -1,0 +1,293 @@
+#pragma once
+
+#include "boundary_path/segment.h"
+#include "selvage/geometry/predicates.h"
+
+namespace selvage {
+inline namespace SELVAGE_ISA {
+
+/// What following a segment through the mesh has shown.
+struct WalkResult {
+  bool valid = false;
+  /// Where the segment is known to leave the mesh through a boundary face, or kNone, and the parameter of the crossing
+  /// to six digits at least: 0 at p, 1 at s.
+  Index left_through = kNone;
+  double left_at = 0;
+};
+
+/// Elements that were visited: the first ones in place, more in a growing list as a fail-safe (SPB supplement 1.2).
+class VisitedElements {
+ public:
+  /// Whether the element is new; it is visited from now on.
+  bool insert(Index element) {
+    for (int i = 0; i < count_; ++i)
+      if (first_[i] == element) return false;
+    if (contains(more_, element)) return false;
+    if (count_ < kInPlace)
+      first_[count_++] = element;
+    else
+      more_.push_back(element);
+    return true;
+  }
+
+ private:
+  static constexpr int kInPlace = 32;
+  Index first_[kInPlace];
+  int count_ = 0;
+  KernelVector<Index> more_;
+};
+
+/// Decides whether the segment from p to a candidate is a valid path (SPB definition 1): the image of a path from p in
+/// its element to the candidate inside the undeformed mesh.
+///
+/// Source: SPB section 3.3 and supplement, algorithms 1 and 2; but exact, and followed from p, so that the walk starts
+/// in one known element wherever s lies, knows the feature that it must reach by its vertices, and finds where p's own
+/// material ends when the segment is blocked.
+template <int D>
+class Walk {
+ public:
+  Walk(const PathScene<D>& scene, const PathQuery<D>& query, bool strictly_inside, PathCounters* counters)
+      : scene_(scene), query_(query), strictly_inside_(strictly_inside), counters_(counters) {}
+
+  /// For components without inverted elements. With `go_on`, a walk that has passed s without reaching it goes on until
+  /// it leaves the mesh, to learn where.
+  WalkResult follow(const Candidate<D>& candidate, bool go_on) const;
+
+  /// For components with inverted or flat elements: the rules of SPB section 3.5. Starts at s, may run backwards, does
+  /// not stop at p, gives up past twice the distance.
+  bool follow_backwards(const Candidate<D>& candidate) const;
+
+  /// Whether p, as a point of its element, lies on the boundary face, where the face contains p.
+  bool is_on(Index face) const;
+
+ private:
+  using Shadow = typename Segment<D>::Shadow;
+
+  /// A face of an element that the line passes through properly, listed so that its normal points along the line.
+  struct Gate {
+    Index element;
+    int face;  ///< opposite to which vertex of the element
+    Shadow corners[D];
+  };
+
+  KernelVector<Index> elements_at_point() const;
+  bool line_passes(const Segment<D>& segment, Index element, int face) const;
+  bool contains_target(Index element, const Candidate<D>& candidate) const;
+  bool find_first_gate(const Segment<D>& segment, Gate& gate) const;
+  bool pass_gate(const Segment<D>& segment, Index next, Gate& gate) const;
+  bool connects_exactly(const Segment<D>& segment, const Candidate<D>& candidate) const;
+  FacePoints<D> face_points(Index element, int face) const {
+    const auto ids = SimplexMesh<D>::face_of(scene_.elements[element], face);
+    FacePoints<D> points;
+    for (int i = 0; i < D; ++i) points[i] = scene_.positions[ids[i]];
+    return points;
+  }
+  void count_element() const {
+    if (counters_ != nullptr) ++counters_->elements_visited;
+  }
+
+  const PathScene<D>& scene_;
+  const PathQuery<D>& query_;
+  bool strictly_inside_;  ///< p lies on no face of its element
+  PathCounters* counters_;
+};
+
+template <int D>
+bool Walk<D>::contains_target(Index element, const Candidate<D>& candidate) const {
+  if (candidate.target.count == D) return element == scene_.boundary_owners[candidate.face].element();
+  const auto& vertices = scene_.elements[element];
+  for (int i = 0; i < candidate.target.count; ++i)
+    if (!contains(vertices, candidate.ids[i])) return false;
+  return true;
+}
+
+/// Finds the face through which the segment leaves p's element. False when it runs exactly through an edge or a vertex.
+template <int D>
+bool Walk<D>::find_first_gate(const Segment<D>& segment, Gate& gate) const {
+  gate.element = query_.element;
+  const auto& vertices = scene_.elements[query_.element];
+  Shadow shadows[D + 1];
+  for (int i = 0; i <= D; ++i) shadows[i] = segment.shadow(vertices[i]);
+  if constexpr (D == 3) {
+    int side[4][4];
+    for (int i = 0; i < 4; ++i) {
+      for (int j = i + 1; j < 4; ++j) {
+        side[i][j] = segment.side(shadows[i], shadows[j]);
+        side[j][i] = -side[i][j];
+        if (side[i][j] == 0) return false;
+      }
+    }
+    constexpr int kFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+    for (gate.face = 0; gate.face < 4; ++gate.face) {
+      const int a = kFaces[gate.face][0], b = kFaces[gate.face][1], c = kFaces[gate.face][2];
+      if (side[a][b] < 0 || side[b][c] < 0 || side[c][a] < 0) continue;
+      gate.corners[0] = shadows[a];
+      gate.corners[1] = shadows[b];
+      gate.corners[2] = shadows[c];
+      return true;
+    }
+  } else {
+    int side[3];
+    for (int i = 0; i < 3; ++i)
+      if ((side[i] = segment.side(shadows[i])) == 0) return false;
+    constexpr int kFaces[3][2] = {{1, 2}, {2, 0}, {0, 1}};
+    for (gate.face = 0; gate.face < 3; ++gate.face) {
+      const int a = kFaces[gate.face][0], b = kFaces[gate.face][1];
+      if (side[a] > 0 || side[b] < 0) continue;
+      gate.corners[0] = shadows[a];
+      gate.corners[1] = shadows[b];
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Steps into the next element and turns the gate into the one through which the segment leaves it. False when it runs
+/// exactly through an edge or a vertex there.
+template <int D>
+bool Walk<D>::pass_gate(const Segment<D>& segment, Index next, Gate& gate) const {
+  const Index element = HalfFace{next}.element();
+  const auto& vertices = scene_.elements[element];
+  const Shadow apex = segment.shadow(vertices[HalfFace{next}.face()]);
+  int behind;  // the corner that does not see the line any more
+  if constexpr (D == 3) {
+    const int a = segment.side(gate.corners[0], apex), b = segment.side(gate.corners[1], apex),
+              c = segment.side(gate.corners[2], apex);
+    if (a == 0 || b == 0 || c == 0) return false;
+    behind = a < 0 && b > 0 ? 2 : b < 0 && c > 0 ? 0 : 1;
+  } else {
+    const int side = segment.side(apex);
+    if (side == 0) return false;
+    behind = side > 0 ? 1 : 0;
+  }
+  gate.element = element;
+  gate.face = position_of(vertices, gate.corners[behind].vertex);
+  gate.corners[behind] = apex;
+  return true;
+}
+
+template <int D>
+WalkResult Walk<D>::follow(const Candidate<D>& candidate, bool go_on) const {
+  if (counters_ != nullptr) ++counters_->traversals;
+  count_element();
+  if (contains_target(query_.element, candidate)) return {true};
+  const Segment<D> segment(scene_, query_.point, candidate,
+                           counters_ != nullptr ? &counters_->exact_decisions : nullptr);
+  Gate gate;
+  if (!strictly_inside_ || !find_first_gate(segment, gate)) return {connects_exactly(segment, candidate)};
+  bool passed = false;
+  for (;;) {
+    const auto crossing = segment.crossing(gate.corners);
+    if (!passed) {
+      const int before = segment.end_before(crossing, gate.corners);
+      if (before == 0) return {connects_exactly(segment, candidate)};
+      passed = before > 0;
+      if (passed && !go_on) return {false};
+    }
+    const Index next = scene_.neighbours[gate.element][gate.face];
+    if (next < 0)
+      return {false, segment.sees_well(crossing, gate.corners) ? ~next : kNone,
+              segment.parameter(crossing, gate.corners)};
+    count_element();
+    if (!passed && contains_target(HalfFace{next}.element(), candidate)) return {true};
+    if (!pass_gate(segment, next, gate)) return {passed ? false : connects_exactly(segment, candidate)};
+  }
+}
+
+/// The same by search: elements that the closed segment meets, joined through the faces that it meets.
+template <int D>
+bool Walk<D>::connects_exactly(const Segment<D>& segment, const Candidate<D>& candidate) const {
+  VisitedElements visited;
+  KernelVector<Index> pending{query_.element};
+  visited.insert(query_.element);
+  while (!pending.empty()) {
+    const Index element = pending.back();
+    pending.pop_back();
+    if (contains_target(element, candidate)) return true;
+    for (int i = 0; i <= D; ++i) {
+      const Index next = scene_.neighbours[element][i];
+      if (next < 0) continue;
+      segment.count_exact();
+      if (!segment.exact().touches(face_points(element, i))) continue;
+      if (!visited.insert(HalfFace{next}.element())) continue;
+      count_element();
+      pending.push_back(HalfFace{next}.element());
+    }
+  }
+  return false;
+}
+
+template <int D>
+bool Walk<D>::is_on(Index face) const {
+  for (Index element : elements_at_point())
+    if (element == scene_.boundary_owners[face].element()) return true;
+  return false;
+}
+
+/// The query's element and, where p lies on faces of it, those that share p with it.
+template <int D>
+KernelVector<Index> Walk<D>::elements_at_point() const {
+  KernelVector<Index> elements{query_.element};
+  if (strictly_inside_) return elements;
+  for (std::size_t k = 0; k < elements.size(); ++k) {
+    std::array<Vec<D>, D + 1> corners;
+    for (int i = 0; i <= D; ++i) corners[i] = scene_.positions[scene_.elements[elements[k]][i]];
+    const Containment at = locate_in_simplex<D>(corners, query_.point);
+    for (int i = 0; i <= D; ++i) {
+      const Index next = scene_.neighbours[elements[k]][i];
+      if (!(at.zero_mask >> i & 1) || next < 0) continue;
+      if (!contains(elements, HalfFace{next}.element())) elements.push_back(HalfFace{next}.element());
+    }
+  }
+  return elements;
+}
+
+/// Whether the whole line through p and s meets face i of an element, not too far from s.
+template <int D>
+bool Walk<D>::line_passes(const Segment<D>& segment, Index element, int face) const {
+  const auto ids = SimplexMesh<D>::face_of(scene_.elements[element], face);
+  Shadow corners[D];
+  for (int i = 0; i < D; ++i) corners[i] = segment.shadow(ids[i]);
+  int positive = 0, negative = 0;
+  for (int i = 0; i < D; ++i) {
+    int side;
+    if constexpr (D == 3)
+      side = segment.side(corners[i], corners[(i + 1) % D]);
+    else
+      side = segment.side(corners[i]);
+    positive += side > 0;
+    negative += side < 0;
+  }
+  if (positive + negative < D) {
+    segment.count_exact();
+    const auto points = face_points(element, face);
+    return segment.exact().line_touches(points) && segment.exact().crosses_within_reach(points);
+  }
+  const bool through = D == 3 ? positive == 0 || negative == 0 : positive == negative;
+  return through && segment.within_reach(segment.crossing(corners), corners);
+}
+
+template <int D>
+bool Walk<D>::follow_backwards(const Candidate<D>& candidate) const {
+  if (counters_ != nullptr) ++counters_->traversals;
+  const Segment<D> segment(scene_, query_.point, candidate,
+                           counters_ != nullptr ? &counters_->exact_decisions : nullptr);
+  const KernelVector<Index> goals = elements_at_point();
+  VisitedElements visited;
+  KernelVector<HalfFace> pending{scene_.boundary_owners[candidate.face]};
+  while (!pending.empty()) {
+    const HalfFace entry = pending.back();
+    pending.pop_back();
+    if (!visited.insert(entry.element())) continue;
+    count_element();
+    if (contains(goals, entry.element())) return true;
+    for (int i = 0; i <= D; ++i) {
+      const Index next = scene_.neighbours[entry.element()][i];
+      if (i != entry.face() && next >= 0 && line_passes(segment, entry.element(), i)) pending.push_back(HalfFace{next});
+    }
+  }
+  return false;
+}
+
+}  // namespace SELVAGE_ISA
+}  // namespace selvage
