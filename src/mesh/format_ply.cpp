@@ -1,0 +1,286 @@
+// Stanford PLY: ASCII and binary of both byte orders, any order and type of properties, other elements passed over.
+#include "format_elements.h"
+#include "format_printer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+namespace selvage::format {
+
+namespace {
+
+enum class Scalar { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
+
+struct Property {
+  std::string_view name;
+  Scalar type;
+  std::optional<Scalar> list_count;  // type of the number of entries, for a list
+};
+
+struct Element {
+  std::string_view name;
+  std::int64_t count;
+  std::vector<Property> properties;
+
+  int property(std::string_view wanted) const {
+    for (std::size_t i = 0; i < properties.size(); ++i) {
+      if (properties[i].name == wanted) return static_cast<int>(i);
+    }
+    return -1;
+  }
+};
+
+std::size_t size_of(Scalar type) {
+  constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+  return kSizes[static_cast<int>(type)];
+}
+
+Scalar read_type(Cursor& cursor) {
+  constexpr std::string_view kNames[][2] = {{"char", "int8"},     {"uchar", "uint8"},   {"short", "int16"},
+                                            {"ushort", "uint16"}, {"int", "int32"},     {"uint", "uint32"},
+                                            {"float", "float32"}, {"double", "float64"}};
+  const std::string_view token = cursor.peek();
+  for (std::size_t i = 0; i < std::size(kNames); ++i) {
+    if (token == kNames[i][0] || token == kNames[i][1]) {
+      cursor.token();
+      return static_cast<Scalar>(i);
+    }
+  }
+  cursor.fail_expected("a property type (char, uchar, short, ushort, int, uint, float or double)");
+}
+
+class Reader {
+ public:
+  explicit Reader(const Source& source) : cursor_(source) { cursor_.bind_to_lines(true); }
+
+  MeshFile read() {
+    read_header();
+    const auto vertices =
+        std::find_if(elements_.begin(), elements_.end(), [](const Element& e) { return e.name == "vertex"; });
+    if (vertices == elements_.end()) cursor_.fail("the header lists no element 'vertex'", "export the file again");
+    numbers_ = VertexNumbers(0, vertices->count);
+    for (const Element& element : elements_) {
+      cursor_.check_count(element.count, fmt::format("elements '{}'", element.name), least_size(element));
+      if (element.name == "vertex") {
+        read_vertices(element);
+      } else if (element.name == "face") {
+        read_faces(element);
+      } else {
+        skip(element);
+      }
+    }
+    return std::move(mesh_);
+  }
+
+ private:
+  void read_header() {
+    if (cursor_.token() != "ply")
+      cursor_.fail("the file does not begin with 'ply'", "give a PLY file, or rename the file");
+    cursor_.next_line();
+    std::endian order = std::endian::native;
+    bool binary = false, has_format = false;
+    while (true) {
+      if (!cursor_.next_filled_line()) cursor_.fail_expected("'end_header'");
+      const std::string_view keyword = cursor_.token();
+      if (keyword == "format") {
+        const std::string_view format = cursor_.peek();
+        binary = format != "ascii";
+        order = format == "binary_big_endian" ? std::endian::big : std::endian::little;
+        if (binary && format != "binary_little_endian" && format != "binary_big_endian") {
+          cursor_.fail_expected("ascii, binary_little_endian or binary_big_endian");
+        }
+        has_format = true;
+      } else if (keyword == "element") {
+        const std::string_view name = cursor_.token();
+        elements_.push_back({name, cursor_.integer("the number of elements"), {}});
+      } else if (keyword == "property") {
+        read_property();
+      } else if (keyword == "end_header") {
+        break;
+      } else if (keyword != "comment" && keyword != "obj_info") {
+        cursor_.fail(fmt::format("unknown header line {}", quote(keyword)), "export the file again");
+      }
+      cursor_.next_line();
+    }
+    if (!has_format) cursor_.fail("the header has no 'format' line", "export the file again");
+    cursor_.next_line();
+    if (binary) cursor_.enter_binary(order);
+  }
+
+  void read_property() {
+    if (elements_.empty()) cursor_.fail("a property comes before any element", "export the file again");
+    std::optional<Scalar> list_count;
+    if (cursor_.peek() == "list") {
+      cursor_.token();
+      list_count = read_type(cursor_);
+    }
+    const Scalar type = read_type(cursor_);
+    elements_.back().properties.push_back({cursor_.token(), type, list_count});
+  }
+
+  std::size_t least_size(const Element& element) const {
+    std::size_t size = 0;
+    for (const Property& p : element.properties) {
+      size += cursor_.is_binary() ? size_of(p.list_count.value_or(p.type)) : 2;
+    }
+    return size;
+  }
+
+  double read_real(Scalar type, std::string_view what) {
+    if (!cursor_.is_binary()) return cursor_.real(what);
+    switch (type) {
+      case Scalar::kFloat:
+        return static_cast<double>(cursor_.binary<float>(what));
+      case Scalar::kDouble:
+        return cursor_.binary<double>(what);
+      default:
+        return static_cast<double>(read_integer(type, what));
+    }
+  }
+
+  std::int64_t read_integer(Scalar type, std::string_view what) {
+    if (!cursor_.is_binary()) return cursor_.integer(what);
+    switch (type) {
+      case Scalar::kInt8:
+        return cursor_.binary<std::int8_t>(what);
+      case Scalar::kUint8:
+        return cursor_.binary<std::uint8_t>(what);
+      case Scalar::kInt16:
+        return cursor_.binary<std::int16_t>(what);
+      case Scalar::kUint16:
+        return cursor_.binary<std::uint16_t>(what);
+      case Scalar::kInt32:
+        return cursor_.binary<std::int32_t>(what);
+      case Scalar::kUint32:
+        return cursor_.binary<std::uint32_t>(what);
+      default:
+        cursor_.fail("a whole number is stored as a float", "export the file again with integer lists");
+    }
+  }
+
+  std::int64_t read_list_count(const Property& p) {
+    const std::int64_t count = read_integer(*p.list_count, "the length of a list");
+    cursor_.check_count(count, "list entries", cursor_.is_binary() ? size_of(p.type) : 2);
+    return count;
+  }
+
+  void skip(const Property& p) {
+    const std::int64_t count = p.list_count ? read_list_count(p) : 1;
+    if (cursor_.is_binary()) {
+      cursor_.bytes(static_cast<std::size_t>(count) * size_of(p.type), p.name);
+    } else {
+      for (std::int64_t i = 0; i < count; ++i) cursor_.real(p.name);
+    }
+  }
+
+  void skip(const Element& element) {
+    if (element.properties.empty()) return;
+    for (std::int64_t i = 0; i < element.count; ++i) {
+      begin_element(element);
+      for (const Property& p : element.properties) skip(p);
+      end_element();
+    }
+  }
+
+  void begin_element(const Element& element) {
+    if (!cursor_.is_binary() && !cursor_.next_filled_line())
+      cursor_.fail_expected(fmt::format("an element '{}'", element.name));
+  }
+
+  void end_element() {
+    if (!cursor_.is_binary()) cursor_.next_line();
+  }
+
+  void read_vertices(const Element& element) {
+    std::vector<int> axes(element.properties.size(), -1);
+    const std::string_view names[] = {"x", "y", "z"};
+    for (int d = 0; d < 3; ++d) {
+      const int at = element.property(names[d]);
+      if (at < 0 || element.properties[at].list_count) {
+        cursor_.fail(fmt::format("the element 'vertex' has no number '{}'", names[d]),
+                     "export the file again with x, y and z");
+      }
+      axes[at] = d;
+    }
+    mesh_.positions.reserve(static_cast<std::size_t>(element.count));
+    for (std::int64_t i = 0; i < element.count; ++i) {
+      begin_element(element);
+      Vec3 point;
+      for (std::size_t p = 0; p < axes.size(); ++p) {
+        if (axes[p] < 0) {
+          skip(element.properties[p]);
+          continue;
+        }
+        point[axes[p]] = read_real(element.properties[p].type, "3 coordinates");
+        if (!std::isfinite(point[axes[p]])) cursor_.fail_not_finite();
+      }
+      mesh_.positions.push_back(point);
+      end_element();
+    }
+  }
+
+  void read_faces(const Element& element) {
+    int list = element.property("vertex_indices");
+    if (list < 0) list = element.property("vertex_index");
+    if (list < 0 || !element.properties[list].list_count) {
+      cursor_.fail("the element 'face' has no list 'vertex_indices'", "export the file again");
+    }
+    ElementCollector collector(cursor_, mesh_, numbers_);
+    std::vector<Index> polygon;
+    mesh_.triangles.reserve(static_cast<std::size_t>(element.count));
+    for (std::int64_t i = 0; i < element.count; ++i) {
+      begin_element(element);
+      for (int p = 0; p < std::ssize(element.properties); ++p) {
+        const Property& property = element.properties[p];
+        if (p != list) {
+          skip(property);
+          continue;
+        }
+        polygon.resize(static_cast<std::size_t>(read_list_count(property)));
+        for (Index& v : polygon) v = collector.vertex(read_integer(property.type, "a vertex number"));
+        collector.add_polygon(polygon);
+      }
+      end_element();
+    }
+  }
+
+  Cursor cursor_;
+  std::vector<Element> elements_;
+  VertexNumbers numbers_;
+  MeshFile mesh_;
+};
+
+}  // namespace
+
+MeshFile parse_ply(const Source& source) {
+  return Reader(source).read();
+}
+
+std::string print_ply(const MeshFile& mesh, FileEncoding encoding) {
+  const bool binary = encoding == FileEncoding::kBinary;
+  Printer out;
+  if (binary) out.reserve(300 + 24 * mesh.positions.size() + 13 * mesh.triangles.size());
+  out.text("ply\nformat ").text(binary ? "binary_little_endian" : "ascii").text(" 1.0\nelement vertex ");
+  out.number(mesh.positions.size()).text("\nproperty double x\nproperty double y\nproperty double z\nelement face ");
+  out.number(mesh.triangles.size()).text("\nproperty list uchar int vertex_indices\nend_header\n");
+  for (const Vec3& p : mesh.positions) {
+    if (binary) {
+      for (const double x : p) out.binary(x);
+    } else {
+      out.numbers(p).text("\n");
+    }
+  }
+  for (const auto& triangle : mesh.triangles) {
+    if (binary) {
+      out.binary(std::uint8_t{3});
+      for (const Index v : triangle) out.binary(v);
+    } else {
+      out.text("3 ").element(triangle, 0).text("\n");
+    }
+  }
+  return out.take();
+}
+
+}  // namespace selvage::format

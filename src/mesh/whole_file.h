@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace selvage {
+
+/// Content of a file.
+/// @throws Error  when it cannot be read
+std::string read_whole_file(const std::filesystem::path& path);
+
+struct FileContent {
+  std::filesystem::path path;
+  std::string_view bytes;
+};
+
+/// Writes several files, all or none: each is written beside its place first, then all are renamed.
+/// @throws Error  when one cannot be written; nothing is left behind
+void write_whole_files(std::span<const FileContent> files);
+
+}  // namespace selvage
