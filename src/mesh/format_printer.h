@@ -24,7 +24,7 @@ class Printer {
   Printer& number(T value) {
     char digits[32];
     const auto result = std::to_chars(digits, digits + sizeof(digits), value);
-    bytes_.append(digits, result.ptr);
+    bytes_.append(digits, static_cast<std::size_t>(result.ptr - digits));
     return *this;
   }
 

@@ -47,6 +47,8 @@ class PendingFiles {
     std::error_code ignored;
     const fs::path target =
         fs::is_symlink(content.path, ignored) ? fs::weakly_canonical(content.path, ignored) : content.path;
+    // Asked before anything is moved, so that the first file of a pair does not appear alone.
+    if (fs::is_directory(target, ignored)) fail_to_write(content.path, EISDIR);
     fs::path temporary = target;
     temporary += fmt::format(".{}-{}.part", ::getpid(), serial++);
     File file(std::fopen(temporary.c_str(), "wbx"));
