@@ -36,21 +36,27 @@ function(selvage_floor name)
   endforeach()
 endfunction()
 
-# selvage_kernel(FLOOR SOURCE): compiles SOURCE once per instruction set, each copy in its own namespace
-# (SELVAGE_ISA), so that one binary runs on every x86-64; core/isa.h decides at run time which copy is called.
-function(selvage_kernel name source)
-  get_filename_component(stem ${source} NAME_WE)
+# selvage_isa_objects(PREFIX SOURCE): object libraries PREFIX_<isa> of SOURCE, one per instruction set, each in its own
+# namespace (SELVAGE_ISA), so that one binary runs on every x86-64; core/isa.h decides at run time which copy is called.
+function(selvage_isa_objects prefix source)
   foreach(isa IN ITEMS baseline avx2 avx512)
     set(flags_baseline "")
     set(flags_avx2 "-march=x86-64-v3")
     set(flags_avx512 "-march=x86-64-v4;-mprefer-vector-width=256")
-    add_library(selvage_${name}_${stem}_${isa} OBJECT ${source})
-    set_target_properties(selvage_${name}_${stem}_${isa} PROPERTIES POSITION_INDEPENDENT_CODE ON)
-    target_compile_definitions(selvage_${name}_${stem}_${isa} PRIVATE SELVAGE_ISA=${isa})
-    target_compile_options(selvage_${name}_${stem}_${isa} PRIVATE ${flags_${isa}})
-    target_include_directories(selvage_${name}_${stem}_${isa} PRIVATE ${PROJECT_SOURCE_DIR}/include
-                               ${PROJECT_SOURCE_DIR}/src)
-    target_link_libraries(selvage_${name}_${stem}_${isa} PRIVATE selvage_settings Eigen3::Eigen TBB::tbb)
+    add_library(${prefix}_${isa} OBJECT ${source})
+    set_target_properties(${prefix}_${isa} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+    target_compile_definitions(${prefix}_${isa} PRIVATE SELVAGE_ISA=${isa})
+    target_compile_options(${prefix}_${isa} PRIVATE ${flags_${isa}})
+    target_include_directories(${prefix}_${isa} PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src)
+    target_link_libraries(${prefix}_${isa} PRIVATE selvage_settings Eigen3::Eigen TBB::tbb)
+  endforeach()
+endfunction()
+
+# selvage_kernel(FLOOR SOURCE): SOURCE, once per instruction set, becomes part of the library.
+function(selvage_kernel name source)
+  get_filename_component(stem ${source} NAME_WE)
+  selvage_isa_objects(selvage_${name}_${stem} ${source})
+  foreach(isa IN ITEMS baseline avx2 avx512)
     set_property(GLOBAL APPEND PROPERTY SELVAGE_KERNEL_OBJECTS $<TARGET_OBJECTS:selvage_${name}_${stem}_${isa}>)
   endforeach()
 endfunction()
