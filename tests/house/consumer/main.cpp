@@ -1,9 +1,14 @@
-#include <selvage/core/error.h>
-#include <selvage/core/isa.h>
+#include <selvage/mesh/simplex_mesh.h>
+#include <selvage/mesh/triangle_mesh.h>
 
 #include <cstdio>
 
+/// Two tetrahedra that share a face, and the surface they have.
 int main() {
-  std::printf("kernels: %s\n", selvage::isa_name(selvage::active_isa()));
-  return selvage::Error("here", "nothing").what()[0] == 'h' ? 0 : 1;
+  const selvage::TetMesh mesh(5, {{0, 1, 2, 3}, {1, 4, 2, 3}});
+  const auto faces = mesh.boundary_faces();
+  const selvage::TriangleMesh surface(mesh.vertex_count(), {faces.begin(), faces.end()});
+  std::printf("%d tetrahedra, %d boundary faces, %d edges\n", mesh.element_count(), surface.triangle_count(),
+              surface.edge_count());
+  return surface.triangle_count() == 6 && surface.edge_count() == 9 ? 0 : 1;
 }
