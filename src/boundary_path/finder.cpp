@@ -67,26 +67,15 @@ struct BoundaryPathFinder<D>::State {
               [&](Index a, Index b) { return std::pair(rank(a), a) < std::pair(rank(b), b); });
   }
 
-  template <std::size_t N>
-  Box box_of(const VertexTuple<N>& vertices) const {
-    const auto x = pose.positions();
-    Vec<D> lower = x[vertices[0]], upper = lower;
-    for (std::size_t i = 1; i < N; ++i) {
-      lower = lower.cwiseMin(x[vertices[i]]);
-      upper = upper.cwiseMax(x[vertices[i]]);
-    }
-    return pose.frame().around(lower, upper);
-  }
-
   std::vector<Box> face_boxes() const {
     std::vector<Box> boxes(mesh.boundary_face_count());
-    parallel_for(std::ssize(boxes), 4096, [&](std::int64_t b) { boxes[b] = box_of(mesh.boundary_faces()[b]); });
+    parallel_for(std::ssize(boxes), 4096, [&](std::int64_t b) { boxes[b] = pose.box_of(mesh.boundary_faces()[b]); });
     return boxes;
   }
 
   std::vector<Box> element_boxes() const {
     std::vector<Box> boxes(mesh.element_count());
-    parallel_for(std::ssize(boxes), 4096, [&](std::int64_t e) { boxes[e] = box_of(mesh.elements()[e]); });
+    parallel_for(std::ssize(boxes), 4096, [&](std::int64_t e) { boxes[e] = pose.box_of(mesh.elements()[e]); });
     return boxes;
   }
 
@@ -105,6 +94,8 @@ struct BoundaryPathFinder<D>::State {
             pose.cullable().data(),
             topology.hints.data(),
             pose.inverted_owners().data(),
+            pose.defect_hierarchy().nodes(),
+            pose.defect_places().data(),
             options};
   }
 

@@ -6,11 +6,18 @@
 
 namespace selvage {
 
-/// What a pose of a component allows (SPB sections 3.2, 3.5 and 3.6).
+/// What a pose of a component allows (SPB sections 3.2, 3.5 and 3.6). Its defects matter only to paths that are long
+/// enough to meet them: nearer to p than any of them everything holds as in an immersed component.
 enum class ComponentState : std::uint8_t {
   kImmersed,   ///< locally injective inside: theorems 1 and 2 hold, and with them culling and bounds from blocked rays
   kOverwound,  ///< no inverted element, but elements turn twice around an interior ridge: only the definition holds
   kInverted,   ///< inverted or flat elements: the rules of section 3.5
+};
+
+/// A place where the theorems fail: an inverted or flat element, an overwound interior ridge.
+struct Defect {
+  Box box;
+  Index component;
 };
 
 /// How coordinates are mapped to the single-precision boxes of the hierarchies: moved so that the middle of the mesh is
@@ -49,6 +56,8 @@ struct PathScene {
   const std::uint8_t* cullable;           ///< per vertex: its surroundings are proven to be locally injective
   const Index* hints;                     ///< per element: a boundary face that is near in the mesh
   const std::uint8_t* inverted_owner;     ///< per boundary face: its owner is inverted or flat
+  std::span<const BvhNode> defect_nodes;  ///< hierarchy over `defects`
+  const Defect* defects;
   PathOptions options;
 };
 

@@ -92,6 +92,7 @@ void Pose<D>::set(std::span<const Vec<D>> positions) {
   component_states_.assign(topology_.component_count, ComponentState::kImmersed);
   find_inverted_elements();
   find_overwound_interior_ridges();
+  list_defects();
   prove_boundary_vertices();
   find_overwound_boundary_ridges();
 }
@@ -125,11 +126,38 @@ void Pose<D>::find_overwound_interior_ridges() {
   defects_.overwound_interior_ridges = count_if_parallel(std::ssize(fans) - 1, [&](std::int64_t k) {
     ComponentState& state = component_states_[topology_.component_of[fans[k].element]];
     if (std::atomic_ref(state).load(std::memory_order_relaxed) == ComponentState::kInverted) return false;
-    const std::span link(topology_.links.data() + fans[k].first_link, fans[k + 1].first_link - fans[k].first_link);
-    if (count_turns<D>(positions_, fans[k].ridge, link) == 0) return false;
+    if (!is_overwound(k)) return false;
     std::atomic_ref(state).store(ComponentState::kOverwound, std::memory_order_relaxed);
     return true;
   });
+}
+
+template <int D>
+bool Pose<D>::is_overwound(std::int64_t fan) const {
+  const auto& fans = topology_.fans;
+  const std::span link(topology_.links.data() + fans[fan].first_link, fans[fan + 1].first_link - fans[fan].first_link);
+  return count_turns<D>(positions_, fans[fan].ridge, link) > 0;
+}
+
+/// A second look at what the counts say is there: rare enough to be done in order.
+template <int D>
+void Pose<D>::list_defects() {
+  defect_places_.clear();
+  if (defects_.inverted_elements + defects_.degenerate_elements > 0)
+    for (Index e = 0; e < mesh_.element_count(); ++e)
+      if (component_states_[topology_.component_of[e]] == ComponentState::kInverted && orientation_of(e) <= 0)
+        defect_places_.push_back({box_of(mesh_.elements()[e]), topology_.component_of[e]});
+  const auto& fans = topology_.fans;
+  if (defects_.overwound_interior_ridges > 0) {
+    for (std::size_t k = 0; k + 1 < fans.size(); ++k) {
+      const Index component = topology_.component_of[fans[k].element];
+      if (component_states_[component] == ComponentState::kOverwound && is_overwound(static_cast<std::int64_t>(k)))
+        defect_places_.push_back({box_of(fans[k].ridge), component});
+    }
+  }
+  std::vector<Box> boxes(defect_places_.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) boxes[i] = defect_places_[i].box;
+  defect_hierarchy_ = Bvh(boxes);
 }
 
 template <int D>

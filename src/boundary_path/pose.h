@@ -22,6 +22,21 @@ class Pose {
   const PoseDefects& defects() const { return defects_; }
   std::span<const ComponentState> component_states() const { return component_states_; }
 
+  /// Where the defects are, in the frame's boxes, and a hierarchy over them.
+  std::span<const Defect> defect_places() const { return defect_places_; }
+  const Bvh& defect_hierarchy() const { return defect_hierarchy_; }
+
+  /// Box of some vertices in the frame.
+  template <std::size_t N>
+  Box box_of(const VertexTuple<N>& vertices) const {
+    Vec<D> lower = positions_[vertices[0]], upper = lower;
+    for (std::size_t i = 1; i < N; ++i) {
+      lower = lower.cwiseMin(positions_[vertices[i]]);
+      upper = upper.cwiseMax(positions_[vertices[i]]);
+    }
+    return frame_.around(lower, upper);
+  }
+
   /// Per vertex: 1 when its boundary faces are proven to be locally injective, so that candidates there may be culled.
   std::span<const std::uint8_t> cullable() const { return cullable_; }
 
@@ -34,6 +49,8 @@ class Pose {
   void find_inverted_elements();
   void find_overwound_interior_ridges();
   void find_overwound_boundary_ridges();
+  void list_defects();
+  bool is_overwound(std::int64_t fan) const;
   void prove_boundary_vertices();
   bool is_boundary_vertex_injective(Index v) const;
 
@@ -44,6 +61,8 @@ class Pose {
   BoxFrame<D> frame_;
   PoseDefects defects_;
   std::vector<ComponentState> component_states_;
+  std::vector<Defect> defect_places_;
+  Bvh defect_hierarchy_;
   std::vector<std::uint8_t> cullable_;
   std::vector<std::uint8_t> inverted_owners_;
 };

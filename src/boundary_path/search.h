@@ -28,6 +28,7 @@ class Search {
   /// Bounds from blocked segments are good to six digits; they are widened by more.
   static constexpr double kBoundSlack = 1 + 1e-5;
 
+  void set_safe_distance(bool own);
   void start_from_hints();
   void consider(Index face);
   void test(const Candidate<D>& candidate);
@@ -52,9 +53,11 @@ class Search {
   PathCounters* counters_;
   CandidateFactory<D> candidates_;
   bool strictly_inside_ = false;
-  bool theorems_hold_ = false;
-  bool inverted_ = false;
   Index component_ = 0;
+  ComponentState state_ = ComponentState::kImmersed;
+  /// No path up to this long can meet a defect: theorems 1 and 2 hold for it. 0 where they never do.
+  double safe_distance_ = 0;
+  double defect_distance_ = 0;  ///< the same, but for p's own position on the boundary
 
   Candidate<D> best_;
   double best_squared_ = kInfinity;
@@ -79,14 +82,14 @@ PathResult<D> Search<D>::run() {
   }
   strictly_inside_ = at.zero_mask == 0;
   component_ = scene_.component_of[query_.element];
-  inverted_ = scene_.component_state[component_] == ComponentState::kInverted;
+  state_ = scene_.component_state[component_];
   // Faces that contain p materially are no candidates, which the theorems do not know: rely on them only where p is
   // known to be off the boundary, or is a vertex that came from elsewhere.
   const auto& vertices = scene_.elements[query_.element];
   const bool own = query_.source[0] == kNone
                        ? !strictly_inside_
                        : contains(vertices, query_.source[0]) || contains(vertices, query_.source[1]);
-  theorems_hold_ = scene_.component_state[component_] == ComponentState::kImmersed && !own;
+  set_safe_distance(own);
   for (Index& slot : seen_) slot = kNone;
 
   start_from_hints();
@@ -109,6 +112,20 @@ PathResult<D> Search<D>::run() {
   result.barycentric = best_.barycentric;
   for (int i = 0; i < D; ++i) result.offset[i] = best_.offset[i];
   return result;
+}
+
+/// How far p is from the nearest defect of its component. The rules for inverted elements look along the line up to
+/// twice a candidate's distance beyond it: three times that distance from p.
+template <int D>
+void Search<D>::set_safe_distance(bool own) {
+  const Box box = scene_.frame.around_point(query_.point);
+  float nearest = std::numeric_limits<float>::infinity();
+  visit_nearest(scene_.defect_nodes, box, nearest, [&](Index defect, float squared_distance) {
+    if (scene_.defects[defect].component == component_ && squared_distance < nearest) nearest = squared_distance;
+    return nearest;
+  });
+  defect_distance_ = std::sqrt(double(nearest)) * (state_ == ComponentState::kInverted ? 0.333 : 1.0);
+  safe_distance_ = own ? 0 : defect_distance_;
 }
 
 template <int D>
@@ -137,7 +154,7 @@ template <int D>
 void Search<D>::consider(Index face) {
   while (face != kNone && is_new(face)) {
     if (scene_.component_of[scene_.boundary_owners[face].element()] != component_ || is_excluded(face)) return;
-    if (inverted_ && scene_.inverted_owner[face]) return;
+    if (scene_.inverted_owner[face]) return;
     if (counters_ != nullptr) ++counters_->faces_visited;
     const auto estimate = candidates_.estimate(face);
     const double limit = reject_above_ + estimate.error;
@@ -171,7 +188,8 @@ bool Search<D>::was_blocked(const Candidate<D>& candidate) const {
 /// section 3.6). kNone when there is none, when rounding leaves a doubt, or when the argument does not hold there.
 template <int D>
 Index Search<D>::closer_neighbour(const Candidate<D>& candidate) const {
-  if (!theorems_hold_ || !scene_.options.cull_infeasible_regions || candidate.target.count == D) return kNone;
+  if (!scene_.options.cull_infeasible_regions || candidate.target.count == D) return kNone;
+  if (!(std::sqrt(candidate.squared_distance) < safe_distance_)) return kNone;
   const auto comes_closer = [&](Index from, Index to) {
     const Vec<D>&a = scene_.positions[from], &b = scene_.positions[to];
     double slope = 0, bound = 0;
@@ -214,15 +232,16 @@ void Search<D>::test_touching(const Candidate<D>& candidate) {
 template <int D>
 void Search<D>::test(const Candidate<D>& candidate) {
   const Walk<D> walk(scene_, query_, strictly_inside_, counters_);
+  const double distance = std::sqrt(candidate.squared_distance);
   WalkResult result;
-  if (inverted_)
+  if (state_ == ComponentState::kInverted && !(distance < defect_distance_))
     result.valid = walk.follow_backwards(candidate);
   else
-    result = walk.follow(candidate, theorems_hold_ && squared_bound() == kInfinity);
+    result = walk.follow(candidate, state_ == ComponentState::kImmersed && squared_bound() == kInfinity);
   if (result.valid) return accept(candidate);
   if (candidate.target.count < D) blocked_[blocked_count_++ % kBlocked] = candidate.ids;
-  if (!theorems_hold_ || result.left_through == kNone || is_excluded(result.left_through)) return;
-  const double length = std::sqrt(candidate.squared_distance) * result.left_at * kBoundSlack;
+  const double length = distance * result.left_at * kBoundSlack;
+  if (result.left_through == kNone || is_excluded(result.left_through) || !(length < safe_distance_)) return;
   known_squared_ = std::min(known_squared_, length * length);
   reject_above_ = std::sqrt(squared_bound()) * kBoundSlack;
 }
