@@ -120,6 +120,7 @@ class Segment {
   int side(const Shadow& a, const Shadow& b) const requires(D == 3) {
     const double value = area(a, b);
     if (std::abs(value) > shear_error_ * a.reach * b.reach + kTrustAbove) return sign_ * value > 0 ? 1 : -1;
+    if (a.reach == 0 || b.reach == 0 || aims_at(a.vertex, b.vertex)) return 0;
     count_exact();
     return exact_.side({scene_.positions[a.vertex], scene_.positions[b.vertex]});
   }
@@ -128,6 +129,7 @@ class Segment {
   int side(const Shadow& a) const requires(D == 2) {
     const double value = a.across[0];
     if (std::abs(value) > shear_error_ * a.reach + kTrustAbove) return sign_ * value > 0 ? 1 : -1;
+    if (a.reach == 0 || (candidate_.target.count == 1 && a.vertex == candidate_.ids[0])) return 0;
     count_exact();
     return exact_.side({scene_.positions[a.vertex]});
   }
@@ -206,6 +208,12 @@ class Segment {
   }
 
  private:
+  /// Whether the line meets the edge (a, b) by construction: the target is the edge, or one of its ends.
+  bool aims_at(Index a, Index b) const {
+    const auto& ids = candidate_.ids;
+    if (candidate_.target.count == 1) return a == ids[0] || b == ids[0];
+    return candidate_.target.count == 2 && ((a == ids[0] && b == ids[1]) || (a == ids[1] && b == ids[0]));
+  }
   int other(int k) const { return (axis_ + 1 + k) % D; }
 
   const PathScene<D>& scene_;

@@ -258,12 +258,11 @@ bool Walk<D>::line_passes(const Segment<D>& segment, Index element, int face) co
     positive += side > 0;
     negative += side < 0;
   }
-  if (positive + negative < D) {
+  if (positive + negative == 0) {  // the line lies in the plane of the face
     segment.count_exact();
-    const auto points = face_points(element, face);
-    return segment.exact().line_touches(points) && segment.exact().crosses_within_reach(points);
+    return segment.exact().line_touches(face_points(element, face));
   }
-  const bool through = D == 3 ? positive == 0 || negative == 0 : positive == negative;
+  const bool through = D == 3 ? positive == 0 || negative == 0 : positive < D && negative < D;
   return through && segment.within_reach(segment.crossing(corners), corners);
 }
 
