@@ -36,8 +36,14 @@ SELVAGE_INLINE ChildBounds bounds_of(const BvhNode& node) {
           reduce_max(upper_x, upper_x, larger_half(node.upper[1]), larger_half(node.upper[2]))};
 }
 
-/// Sets the bounds of children first ... first + 3.
-SELVAGE_INLINE void fit_four(BvhNode& node, const BvhNode* nodes, const Box* boxes, int first) {
+/// Bounds of four children, a row for each axis.
+struct FourBounds {
+  Float4 lower[3];
+  Float4 upper[3];
+};
+
+/// Bounds of children first ... first + 3.
+SELVAGE_INLINE FourBounds gather_four(const BvhNode& node, const BvhNode* nodes, const Box* boxes, int first) {
   ChildBounds bounds[4];
   for (int i = 0; i < 4; ++i) {
     const Index child = node.children[first + i];
@@ -48,18 +54,22 @@ SELVAGE_INLINE void fit_four(BvhNode& node, const BvhNode* nodes, const Box* box
   }
   transpose(bounds[0].lower, bounds[1].lower, bounds[2].lower, bounds[3].lower);
   transpose(bounds[0].upper, bounds[1].upper, bounds[2].upper, bounds[3].upper);
-  for (int axis = 0; axis < 3; ++axis) {
-    bounds[axis].lower.store(node.lower[axis] + first);
-    bounds[axis + 1].upper.store(node.upper[axis] + first);
-  }
+  return {{bounds[0].lower, bounds[1].lower, bounds[2].lower}, {bounds[1].upper, bounds[2].upper, bounds[3].upper}};
 }
 
-SELVAGE_INLINE Float8 measure_children(const BvhNode& node, const BoxMeasure& measure) {
+/// Sets the bounds of all children and returns their measures.
+SELVAGE_INLINE Float8 fit_node(BvhNode& node, const BvhNode* nodes, const Box* boxes, const BoxMeasure& measure) {
   const Float8 zero = Float8::broadcast(0), scale = Float8::broadcast(measure.scale);
   const Float8 largest = Float8::broadcast(std::numeric_limits<float>::max());
+  const FourBounds left = gather_four(node, nodes, boxes, 0), right = gather_four(node, nodes, boxes, 4);
   Float8 extent[3];
-  for (int axis = 0; axis < 3; ++axis)
-    extent[axis] = min(max(Float8::load(node.upper[axis]) - Float8::load(node.lower[axis]), zero), largest) * scale;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Float8 lower = Float8::join(left.lower[axis], right.lower[axis]);
+    const Float8 upper = Float8::join(left.upper[axis], right.upper[axis]);
+    lower.store(node.lower[axis]);
+    upper.store(node.upper[axis]);
+    extent[axis] = min(max(upper - lower, zero), largest) * scale;
+  }
   if (measure.flat) return extent[0] + extent[1] + extent[2];
   return extent[0] * extent[1] + extent[1] * extent[2] + extent[2] * extent[0];
 }
@@ -82,11 +92,9 @@ MeasureSums fit_nodes_kernel(BvhNode* nodes, const Box* boxes, Index first, Inde
     if (n - kAhead >= first)
       for (const Index child : nodes[n - kAhead].children)
         if (child >= 0) prefetch(boxes + child);
-    fit_four(node, nodes, boxes, 0);
-    fit_four(node, nodes, boxes, 4);
+    const Float8 children = fit_node(node, nodes, boxes, measure);
     int inner_count = 0;
     for (int i = 0; i < BvhNode::kWidth; ++i) inner_count += node.children[i] < 0;
-    const Float8 children = measure_children(node, measure);
     all = all + children;
     inner = inner + keep_first(children, inner_count);
   }
