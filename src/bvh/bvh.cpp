@@ -1,7 +1,7 @@
 #include "selvage/bvh/bvh.h"
 
 #include "bvh/bvh_build.h"
-#include "bvh/refit_kernel.h"
+#include "bvh/refit.h"
 #include "selvage/core/error.h"
 #include "selvage/core/parallel.h"
 
@@ -22,7 +22,7 @@ MeasureSums fit_level(std::span<BvhNode> nodes, std::span<const Box> boxes, Inde
   const Index chunks = (last - first + kRefitChunk - 1) / kRefitChunk;
   const auto fit_chunk = [&](Index chunk) {
     const Index begin = first + chunk * kRefitChunk, end = std::min(begin + kRefitChunk, last);
-    return SELVAGE_DISPATCH(fit_nodes_kernel, nodes.data(), boxes.data(), begin, end, measure);
+    return fit_nodes(nodes.data(), boxes.data(), begin, end, measure);
   };
   if (chunks == 1) return fit_chunk(0);
   std::vector<MeasureSums> sums(chunks);
@@ -66,7 +66,7 @@ Bvh::Bvh(std::span<const Box> boxes) {
   levels_ = std::move(topology.levels);
   flat_ = topology.flat;
   measure_scale_ = scale_for(topology.largest_extent);
-  built_cost_ = cost_ = fit_nodes(boxes);
+  built_cost_ = cost_ = fit_boxes(boxes);
 }
 
 void Bvh::refit(std::span<const Box> boxes) {
@@ -74,11 +74,11 @@ void Bvh::refit(std::span<const Box> boxes) {
     throw Error("hierarchy",
                 std::to_string(boxes.size()) + " boxes for " + std::to_string(primitive_count_) + " primitives",
                 "refit with one box per primitive, or build anew");
-  if (!boxes.empty()) cost_ = fit_nodes(boxes);
+  if (!boxes.empty()) cost_ = fit_boxes(boxes);
 }
 
 /// Fits all nodes and returns the cost of a query.
-double Bvh::fit_nodes(std::span<const Box> boxes) {
+double Bvh::fit_boxes(std::span<const Box> boxes) {
   const BoxMeasure measure{measure_scale_, flat_};
   MeasureSums sums;
   for (std::size_t level = levels_.size() - 1; level > 0; --level) {

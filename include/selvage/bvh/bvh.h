@@ -70,7 +70,7 @@ class Bvh {
   std::vector<Index> leaf_order() const;
 
  private:
-  double fit_nodes(std::span<const Box> boxes);
+  double fit_boxes(std::span<const Box> boxes);
 
   Index primitive_count_ = 0;
   std::vector<BvhNode> nodes_;

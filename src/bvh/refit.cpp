@@ -1,11 +1,10 @@
-#include "bvh/refit_kernel.h"
+#include "bvh/refit.h"
 
 #include "selvage/core/simd.h"
 
 #include <limits>
 
 namespace selvage {
-inline namespace SELVAGE_ISA {
 
 namespace {
 
@@ -84,7 +83,7 @@ SELVAGE_INLINE double sum_lanes(Float8 a) {
 
 }  // namespace
 
-MeasureSums fit_nodes_kernel(BvhNode* nodes, const Box* boxes, Index first, Index last, const BoxMeasure& measure) {
+MeasureSums fit_nodes(BvhNode* nodes, const Box* boxes, Index first, Index last, const BoxMeasure& measure) {
   constexpr Index kAhead = 4;
   Float8 all = Float8::broadcast(0), inner = all;
   for (Index n = last - 1; n >= first; --n) {
@@ -102,5 +101,4 @@ MeasureSums fit_nodes_kernel(BvhNode* nodes, const Box* boxes, Index first, Inde
   return {nodes_sum, sum_lanes(all) - nodes_sum};
 }
 
-}  // namespace SELVAGE_ISA
 }  // namespace selvage

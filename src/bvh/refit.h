@@ -1,0 +1,23 @@
+#pragma once
+
+#include "selvage/bvh/bvh.h"
+
+namespace selvage {
+
+/// How boxes are measured for the quality of a tree: extents are multiplied by `scale`, so that nothing overflows.
+struct BoxMeasure {
+  float scale;
+  bool flat;  ///< half perimeter instead of half area
+};
+
+/// Measures of children, summed over some nodes.
+struct MeasureSums {
+  double nodes = 0;
+  double primitives = 0;
+};
+
+/// Sets the bounds of all children of the nodes [first, last), whose own child nodes must be fitted already. Bound by
+/// memory: wider instructions than every x86-64 has do not make it faster.
+MeasureSums fit_nodes(BvhNode* nodes, const Box* boxes, Index first, Index last, const BoxMeasure& measure);
+
+}  // namespace selvage
