@@ -31,7 +31,7 @@ static_assert(sizeof(BvhNode) == 256);
 ///
 /// Nodes are stored level by level, the root first, so that children come after their parents and a refit is one linear
 /// pass from the back. Dimension-free: planar primitives have flat boxes. Without primitives there is no node, and
-/// every query finds nothing. A box may be infinite; one that is empty is found only by a nearest search without bound.
+/// every query finds nothing. A box may be infinite; one that is empty is found only by queries without bound.
 ///
 /// Built with a binned surface-area heuristic, in parallel; the same tree for any number of threads. A sort along a
 /// Morton curve would build faster, but gives trees that take up to three times longer to search, and here a tree is

@@ -1,7 +1,7 @@
 #include "bvh/kernels/traverse_queries.h"
 
 #include "bvh/test_boxes.h"
-#include "selvage/bvh/traverse.h"
+#include "selvage/bvh/traverse_pairs.h"
 
 namespace selvage {
 inline namespace SELVAGE_ISA {
@@ -41,6 +41,26 @@ std::int64_t count_overlaps_up_to(const Bvh& bvh, const Box& query, std::int64_t
   std::int64_t count = 0;
   visit_overlaps(bvh.nodes(), query, [&](Index) { return ++count < most; });
   return count;
+}
+
+std::vector<IndexPair> list_pairs(const Bvh& a, const Bvh& b) {
+  std::vector<IndexPair> pairs;
+  visit_pairs(a.nodes(), b.nodes(), [&](Index i, Index j) { pairs.emplace_back(i, j); });
+  return pairs;
+}
+
+std::vector<IndexPair> list_self_pairs(const Bvh& bvh) {
+  std::vector<IndexPair> pairs;
+  visit_self_pairs(bvh.nodes(), [&](Index i, Index j) { pairs.emplace_back(i, j); });
+  return pairs;
+}
+
+std::vector<IndexPair> list_self_pairs_of_pieces(const Bvh& bvh, std::span<const NodePair> pieces) {
+  std::vector<IndexPair> pairs;
+  for (const NodePair& piece : pieces)
+    visit_self_pairs(
+        bvh.nodes(), [&](Index i, Index j) { pairs.emplace_back(i, j); }, piece);
+  return pairs;
 }
 
 namespace {

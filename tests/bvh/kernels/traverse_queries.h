@@ -1,8 +1,6 @@
 #pragma once
 
-#include "selvage/bvh/bvh.h"
-
-#include <utility>
+#include "selvage/bvh/overlap.h"
 
 namespace selvage {
 
@@ -13,14 +11,15 @@ struct NearestVisits {
   std::int64_t nodes = 0;
 };
 
-using IndexPairs = std::vector<std::pair<Index, Index>>;
-
 // The traversals as the compiler makes them for one instruction set.
 #define SELVAGE_TEST_QUERIES                                                                                     \
   NearestVisits list_within(const Bvh& bvh, const Box& point, float squared_bound);                              \
   NearestVisits find_nearest(const Bvh& bvh, std::span<const Box> boxes, const Box& point, float squared_bound); \
   std::vector<Index> list_overlaps(const Bvh& bvh, const Box& query);                                            \
   std::int64_t count_overlaps_up_to(const Bvh& bvh, const Box& query, std::int64_t most);                        \
+  std::vector<IndexPair> list_pairs(const Bvh& a, const Bvh& b);                                                 \
+  std::vector<IndexPair> list_self_pairs(const Bvh& bvh);                                                        \
+  std::vector<IndexPair> list_self_pairs_of_pieces(const Bvh& bvh, std::span<const NodePair> pieces);            \
   bool check_simd();
 namespace baseline {
 SELVAGE_TEST_QUERIES

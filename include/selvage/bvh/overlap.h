@@ -1,0 +1,37 @@
+#pragma once
+
+#include "selvage/bvh/bvh.h"
+
+#include <utility>
+
+namespace selvage {
+
+using IndexPair = std::pair<Index, Index>;
+
+/// All pairs (primitive of a, primitive of b) whose boxes meet, borders included; sorted. Parallel.
+std::vector<IndexPair> overlapping_pairs(const Bvh& a, const Bvh& b);
+
+/// All pairs i < j of primitives of one hierarchy whose boxes meet, borders included; each once, sorted. Parallel.
+std::vector<IndexPair> self_overlapping_pairs(const Bvh& bvh);
+
+/// A node of one hierarchy and a node of another, whose primitives are still to be compared. Within one hierarchy, a
+/// node with itself stands for all pairs of primitives in it.
+struct NodePair {
+  Index a;
+  Index b;
+
+  bool operator==(const NodePair&) const = default;
+};
+
+/// A search for pairs, cut into independent pieces.
+struct PairWork {
+  std::vector<NodePair> pieces;
+  std::vector<IndexPair> found;  ///< pairs of primitives met while cutting; in no piece
+};
+
+/// Cuts the search for overlapping pairs into at least `wanted` pieces, where there are as many; for a visit_pairs() or
+/// visit_self_pairs() of each piece in parallel. The same pieces in the same order, whatever the number of threads.
+PairWork split_pair_work(const Bvh& a, const Bvh& b, std::size_t wanted);
+PairWork split_self_pair_work(const Bvh& bvh, std::size_t wanted);
+
+}  // namespace selvage
