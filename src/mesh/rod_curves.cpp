@@ -16,6 +16,9 @@ using std::numbers::pi;
 /// Windings of a coil do not touch: they are this many rod radii apart, middle to middle.
 constexpr double kCoilPitch = 3;
 
+/// Height of a long coil over the radius of its windings.
+constexpr double kCoilSlenderness = 36;
+
 /// The nested knot: how far its strands stay from the trefoil that they follow, and half-turns around it in one round
 /// (an odd number, so that the second round starts opposite to the first).
 constexpr double kStrandOffset = 0.42;
@@ -83,8 +86,7 @@ class ArcLength {
   std::vector<double> lengths_;
 };
 
-/// The curve at the length asked for. A coil's radius follows from rod and length: about as slender as a spring, so
-/// that it stays long when it is bent.
+/// The curve at the length asked for. A coil's radius follows from rod and length: slender, so that it can be bent far.
 ParametricCurve curve_of_length(RodCurve kind, double length, double radius) {
   ParametricCurve curve{kind};
   if (kind == RodCurve::kStraight) {
@@ -92,7 +94,7 @@ ParametricCurve curve_of_length(RodCurve kind, double length, double radius) {
     return curve;
   }
   if (kind == RodCurve::kCoil) {
-    curve.coil_radius = std::max(2.5 * radius, std::sqrt(kCoilPitch * radius * length / (24 * pi)));
+    curve.coil_radius = std::max(2.5 * radius, std::sqrt(kCoilPitch * radius * length / (2 * kCoilSlenderness * pi)));
     curve.coil_rise = kCoilPitch * radius / (2 * pi);
     curve.end = length / std::hypot(curve.coil_radius, curve.coil_rise);
     return curve;

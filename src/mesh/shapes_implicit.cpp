@@ -3,6 +3,7 @@
 
 #include "mesh/isosurface_stuffing.h"
 #include "mesh/shape_arguments.h"
+#include "mesh/shapes_implicit.h"
 #include "selvage/mesh/shapes.h"
 
 namespace selvage {
@@ -23,11 +24,11 @@ class UnitRandom {
   std::mt19937_64 engine_;
 };
 
-/// The lattice follows an arm as long as every ball in it holds a lattice vertex, with some room for moved vertices.
 void check_resolves(double cell, double thinnest_radius) {
-  if (!(cell <= 1.2 * thinnest_radius)) {
+  const double coarsest = coarsest_cell(thinnest_radius);
+  if (!(cell <= coarsest)) {
     throw Error("cell", fmt::format("{} is too coarse for arms of radius {:.3g}", cell, thinnest_radius),
-                fmt::format("use at most {:.3g}", 1.2 * thinnest_radius));
+                fmt::format("use at most {:.3g}", coarsest));
   }
 }
 
@@ -63,6 +64,16 @@ struct OctopusArm {
 
 }  // namespace
 
+double squishy_tip_radius(double radius, int tentacles) {
+  // Neighbours stand about `spacing` apart, at least 0.6 of it.
+  const double spacing = radius * std::min(1.0, std::sqrt(4 * pi / tentacles));
+  return 0.22 * spacing;
+}
+
+double octopus_tip_radius(double size) {
+  return size * OctopusArm::radius(1);
+}
+
 MeshFile make_ball(double radius, double cell) {
   check_positive("radius", radius);
   check_positive("cell", cell);
@@ -78,9 +89,7 @@ MeshFile make_squishy_ball(double radius, int tentacles, double cell, unsigned s
   if (tentacles < 1 || tentacles > 100000) {
     throw Error("tentacles", fmt::format("{} is out of range", tentacles), "use a number from 1 to 100000");
   }
-  // Neighbours start about `spacing` apart, at least 0.6 of it.
-  const double spacing = radius * std::min(1.0, std::sqrt(4 * pi / tentacles));
-  const double root = 0.18 * spacing, tip = 0.15 * spacing;
+  const double tip = squishy_tip_radius(radius, tentacles), root = 1.15 * tip;
   check_resolves(cell, tip);
   ImplicitSolid solid;
   solid.parts.push_back({Vec3::Zero(), Vec3::Zero(), radius, radius});
@@ -95,7 +104,7 @@ MeshFile make_squishy_ball(double radius, int tentacles, double cell, unsigned s
 MeshFile make_octopus(double size, double cell, unsigned seed) {
   check_positive("size", size);
   check_positive("cell", cell);
-  check_resolves(cell, size * OctopusArm::radius(1));
+  check_resolves(cell, octopus_tip_radius(size));
   ImplicitSolid solid;
   solid.parts.push_back({size * Vec3(0, 0, 0.02), size * Vec3(0, -0.06, 0.42), 0.2 * size, 0.28 * size});
   solid.body_count = 1;

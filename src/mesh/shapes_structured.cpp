@@ -1,7 +1,7 @@
 #include <numbers>
 
 #include "mesh/cell_splits.h"
-#include "mesh/shape_arguments.h"
+#include "mesh/shape_counts.h"
 #include "selvage/mesh/shapes.h"
 
 namespace selvage {
@@ -50,13 +50,10 @@ MeshFile mesh_grid(const CellGrid& grid, Place&& place) {
 
 MeshFile make_box(const Vec3& size, double cell) {
   check_positive("cell", cell);
-  std::array<double, 3> count;
-  for (int axis = 0; axis < 3; ++axis) {
-    check_positive("box size", size[axis]);
-    count[axis] = cell_count(size[axis], cell);
-  }
-  check_element_count(6 * count[0] * count[1] * count[2]);
-  const CellGrid grid{{static_cast<Index>(count[0]), static_cast<Index>(count[1]), static_cast<Index>(count[2])}};
+  for (int axis = 0; axis < 3; ++axis) check_positive("box size", size[axis]);
+  const ShapeCells cells = box_cells(size, cell);
+  check_element_count(cells.elements);
+  const CellGrid grid{{static_cast<Index>(cells.u), static_cast<Index>(cells.v), static_cast<Index>(cells.w)}};
   return mesh_grid(grid, [&](Index i, Index j, Index k) {
     return Vec3(i == grid.count[0] ? size[0] : size[0] * i / grid.count[0],
                 j == grid.count[1] ? size[1] : size[1] * j / grid.count[1],
@@ -74,16 +71,14 @@ MeshFile make_tube(double outer_radius, double inner_radius, double length, doub
                 "use a smaller inner radius");
   }
   const double thickness = outer_radius - inner_radius;
-  const double layers = cell_count(thickness, cell);
-  const double around = cell_count(std::numbers::pi * (outer_radius + inner_radius), cell, 12);
-  const double along = cell_count(length, cell);
-  check_element_count(6 * layers * around * along);
+  const auto [layers, around, along, elements] = tube_cells(outer_radius, inner_radius, length, cell);
+  check_element_count(elements);
   const CellGrid grid{{static_cast<Index>(layers), static_cast<Index>(around), static_cast<Index>(along)},
                       {false, true, false}};
   return mesh_grid(grid, [&](Index i, Index j, Index k) {
-    const double radius = inner_radius + thickness * i / layers;
-    const double angle = 2 * std::numbers::pi * j / around;
-    return Vec3(radius * std::cos(angle), radius * std::sin(angle), length * k / along);
+    const double radius = inner_radius + thickness * i / grid.count[0];
+    const double angle = 2 * std::numbers::pi * j / grid.count[1];
+    return Vec3(radius * std::cos(angle), radius * std::sin(angle), length * k / grid.count[2]);
   });
 }
 
@@ -91,14 +86,14 @@ MeshFile make_cloth(double width, double height, double cell) {
   check_positive("cell", cell);
   check_positive("width", width);
   check_positive("height", height);
-  const double columns = cell_count(width, cell), rows = cell_count(height, cell);
-  check_element_count(2 * columns * rows);
-  const Index nx = static_cast<Index>(columns), ny = static_cast<Index>(rows);
+  const ShapeCells cells = cloth_cells(width, height, cell);
+  check_element_count(cells.elements);
+  const Index nx = static_cast<Index>(cells.u), ny = static_cast<Index>(cells.v);
   MeshFile mesh;
   mesh.positions.reserve((nx + std::size_t{1}) * (ny + std::size_t{1}));
   mesh.triangles.reserve(2 * static_cast<std::size_t>(nx) * ny);
   for (Index i = 0; i <= nx; ++i) {
-    for (Index j = 0; j <= ny; ++j) mesh.positions.emplace_back(width * i / columns, height * j / rows, 0.0);
+    for (Index j = 0; j <= ny; ++j) mesh.positions.emplace_back(width * i / nx, height * j / ny, 0.0);
   }
   for (Index i = 0; i < nx; ++i) {
     for (Index j = 0; j < ny; ++j) {

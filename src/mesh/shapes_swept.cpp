@@ -2,7 +2,7 @@
 
 #include "mesh/cell_splits.h"
 #include "mesh/rod_curves.h"
-#include "mesh/shape_arguments.h"
+#include "mesh/shape_counts.h"
 #include "selvage/mesh/shapes.h"
 
 namespace selvage {
@@ -35,10 +35,6 @@ DiscMesh make_disc(Index rings) {
     }
   }
   return disc;
-}
-
-double swept_element_count(double rings, double layers) {
-  return 3 * 6 * rings * rings * layers;
 }
 
 /// A disc swept through the sections; a closed sweep runs from the last section to the first.
@@ -75,11 +71,11 @@ MeshFile make_rod(RodCurve curve, double length, double radius, double cell) {
     throw Error("radius", fmt::format("a rod of radius {} and length {} would touch itself", radius, length),
                 fmt::format("use a radius below {:.3g}", largest_radius));
   }
-  const double rings = cell_count(radius, cell);
-  const double layers = cell_count(length, cell, is_closed(curve) ? 64 : 1);
-  check_element_count(swept_element_count(rings, layers));
-  const Index sections = static_cast<Index>(layers) + (is_closed(curve) ? 0 : 1);
-  return sweep_disc(rod_sections(curve, length, radius, sections), radius, static_cast<Index>(rings), is_closed(curve));
+  const bool closed = is_closed(curve);
+  const ShapeCells cells = swept_cells(length, radius, cell, closed ? kFewestKnotLayers : 1);
+  check_element_count(cells.elements);
+  const Index sections = static_cast<Index>(cells.v) + (closed ? 0 : 1);
+  return sweep_disc(rod_sections(curve, length, radius, sections), radius, static_cast<Index>(cells.u), closed);
 }
 
 MeshFile make_torus(double major_radius, double minor_radius, double cell) {
@@ -90,11 +86,10 @@ MeshFile make_torus(double major_radius, double minor_radius, double cell) {
     throw Error("minor radius", fmt::format("{} is not smaller than the major radius {}", minor_radius, major_radius),
                 "use a smaller minor radius");
   }
-  const double rings = cell_count(minor_radius, cell);
-  const double layers = cell_count(2 * std::numbers::pi * major_radius, cell, 12);
-  check_element_count(swept_element_count(rings, layers));
-  return sweep_disc(circle_sections(major_radius, static_cast<Index>(layers)), minor_radius, static_cast<Index>(rings),
-                    true);
+  const ShapeCells cells = swept_cells(2 * std::numbers::pi * major_radius, minor_radius, cell, kFewestTorusLayers);
+  check_element_count(cells.elements);
+  return sweep_disc(circle_sections(major_radius, static_cast<Index>(cells.v)), minor_radius,
+                    static_cast<Index>(cells.u), true);
 }
 
 }  // namespace selvage

@@ -190,8 +190,8 @@ inline double total_volume(const MeshFile& mesh) {
   return volume;
 }
 
-/// Vertices strictly inside a tetrahedron they do not belong to, brute force over a sort along x, with at most `enough`
-/// of them counted.
+/// Vertices in a (closed) tetrahedron that they do not belong to, which a conforming mesh has only where it overlaps:
+/// brute force over a sort along x, at most `enough` of them.
 inline std::int64_t count_buried_vertices(const MeshFile& mesh, std::int64_t enough = 1LL << 60) {
   std::vector<Index> by_x(mesh.positions.size());
   for (std::size_t v = 0; v < by_x.size(); ++v) by_x[v] = static_cast<Index>(v);
@@ -214,7 +214,7 @@ inline std::int64_t count_buried_vertices(const MeshFile& mesh, std::int64_t eno
       for (int i = 0; i < 4 && inside; ++i) {
         std::array<Vec3, 4> corner;
         for (int k = 0; k < 4; ++k) corner[k] = k == i ? p : mesh.positions[t[k]];
-        inside = exact_orientation(corner[0], corner[1], corner[2], corner[3]) > 0;
+        inside = exact_orientation(corner[0], corner[1], corner[2], corner[3]) >= 0;
       }
       count += inside;
       buried[*it] |= inside;

@@ -47,12 +47,12 @@ void pose_overlap(std::span<Vec3> positions, Index first, const Vec3& offset);
 
 /// What a named pose may be given; what is left out takes a default that tangles.
 struct PoseOptions {
-  std::optional<int> axis;       ///< default: the mesh's longest; not for swirl and overlap
-  std::optional<double> turns;   ///< twist (1), bend (1.25), swirl (0.15)
-  std::optional<double> angle;   ///< fold [rad] (4.2)
-  std::optional<int> crossings;  ///< self-crossing (2)
-  std::optional<double> core;    ///< swirl (0.5)
-  std::optional<Vec3> offset;    ///< overlap [m] (about a third of the mesh's size)
+  std::optional<int> axis = {};       ///< default: the mesh's longest; not for swirl and overlap
+  std::optional<double> turns = {};   ///< twist (1), bend (1.25), swirl (0.15)
+  std::optional<double> angle = {};   ///< fold [rad] (4.2)
+  std::optional<int> crossings = {};  ///< self-crossing (2)
+  std::optional<double> core = {};    ///< swirl (0.5)
+  std::optional<Vec3> offset = {};    ///< overlap [m] (about a third of the mesh's size)
 };
 
 /// Names that apply_pose knows: twist, bend, fold, swirl, self-crossing, overlap.

@@ -52,14 +52,14 @@ MeshFile concatenate(std::span<const MeshFile> meshes);
 
 /// What a named shape may be given; what is left out takes the shape's own default.
 struct ShapeOptions {
-  std::optional<double> cell;            ///< edge length of a cell [m]
-  std::optional<std::int64_t> elements;  ///< instead of `cell`: about this many elements
-  std::optional<Vec3> size;              ///< box, beam; cloth (x and y) [m]
-  std::optional<double> length;          ///< rods and tube [m]
-  std::optional<double> radius;          ///< rods, balls, tube (outer), torus (major), octopus (reach) [m]
-  std::optional<double> inner_radius;    ///< tube (inner), torus (minor) [m]
-  std::optional<int> tentacles;          ///< squishy-ball
-  std::optional<unsigned> seed;          ///< squishy-ball, octopus
+  std::optional<double> cell = {};            ///< edge length of a cell [m]
+  std::optional<std::int64_t> elements = {};  ///< instead of `cell`: about this many elements
+  std::optional<Vec3> size = {};              ///< box, beam; cloth (x and y) [m]
+  std::optional<double> length = {};          ///< rods and tube [m]
+  std::optional<double> radius = {};          ///< rods, balls, tube (outer), torus (major), octopus (reach) [m]
+  std::optional<double> inner_radius = {};    ///< tube (inner), torus (minor) [m]
+  std::optional<int> tentacles = {};          ///< squishy-ball
+  std::optional<unsigned> seed = {};          ///< squishy-ball, octopus
 };
 
 /// Names that make_shape knows: box, beam, rod, trefoil, nested-knot, noodle, ball, torus, tube, squishy-ball, octopus,
@@ -70,8 +70,8 @@ std::span<const std::string_view> shape_names();
 /// @throws Error  for an unknown name, an option that the shape does not have, or arguments that its maker refuses
 MeshFile make_shape(std::string_view name, const ShapeOptions& options = {});
 
-/// The cell with which the shape gets about `target` elements (within about 10 percent, for targets of thousands and
-/// more; a coarse shape jumps from one count to the next).
+/// The cell with which the shape gets about `target` elements: within a tenth for fine meshes; where a thin shape can
+/// only jump from one count to the next, the nearer.
 /// @throws Error  as make_shape does, and when no cell gives the shape so few elements
 double cell_for_element_count(std::string_view name, const ShapeOptions& options, std::int64_t target);
 

@@ -1,0 +1,160 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+
+#include "selvage/core/error.h"
+#include "selvage/mesh/poses.h"
+#include "selvage/mesh/shapes.h"
+
+namespace selvage {
+
+namespace {
+
+Vec3 size_of(const MeshFile& mesh) {
+  if (mesh.positions.empty()) throw Error("", "there are no vertices to pose", "give a mesh with vertices");
+  Vec3 low = mesh.positions[0], high = low;
+  for (const Vec3& p : mesh.positions) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  return high - low;
+}
+
+int longest_axis(const MeshFile& mesh) {
+  int axis = 0;
+  size_of(mesh).maxCoeff(&axis);
+  return axis;
+}
+
+/// Options of a pose, and which of them it has taken: what is left over at the end was not meant for it.
+class OptionReader {
+ public:
+  OptionReader(const MeshFile& mesh, const PoseOptions& options) : mesh_(mesh), left_(options) {}
+
+  int axis() { return left_.axis ? take(left_.axis, 0) : longest_axis(mesh_); }
+  double turns(double preset) { return take(left_.turns, preset); }
+  double angle(double preset) { return take(left_.angle, preset); }
+  int crossings(int preset) { return take(left_.crossings, preset); }
+  double core(double preset) { return take(left_.core, preset); }
+  /// By default oblique, so that no plane of one object falls into a plane of the other.
+  Vec3 offset() {
+    return left_.offset ? take(left_.offset, Vec3()) : size_of(mesh_).cwiseProduct(Vec3(0.31, 0.29, 0.27));
+  }
+
+  /// @throws Error  when an option is left over
+  void finish(std::string_view pose) const {
+    const auto check = [&](bool left, std::string_view option) {
+      if (left) throw Error(option, fmt::format("'{}' has no {}", pose, option), "leave it out");
+    };
+    check(left_.axis.has_value(), "axis");
+    check(left_.turns.has_value(), "turns");
+    check(left_.angle.has_value(), "angle");
+    check(left_.crossings.has_value(), "crossings");
+    check(left_.core.has_value(), "core");
+    check(left_.offset.has_value(), "offset");
+  }
+
+ private:
+  template <typename T>
+  static T take(std::optional<T>& option, const T& preset) {
+    const T value = option.value_or(preset);
+    option.reset();
+    return value;
+  }
+
+  const MeshFile& mesh_;
+  PoseOptions left_;
+};
+
+constexpr std::array<std::string_view, 6> kNames = {"twist", "bend", "fold", "swirl", "self-crossing", "overlap"};
+
+void overlap_with_copy(MeshFile& mesh, const Vec3& offset) {
+  const Index first = static_cast<Index>(mesh.positions.size());
+  const std::array<MeshFile, 2> twice = {mesh, mesh};
+  MeshFile both = concatenate(twice);
+  pose_overlap(both.positions, first, offset);
+  mesh = std::move(both);
+}
+
+}  // namespace
+
+std::span<const std::string_view> pose_names() {
+  return kNames;
+}
+
+void apply_pose(MeshFile& mesh, std::string_view name, const PoseOptions& options) {
+  OptionReader option(mesh, options);
+  if (name == "twist") {
+    const int axis = option.axis();
+    const double turns = option.turns(1);
+    option.finish(name);
+    pose_twist(mesh.positions, axis, turns);
+    pose_self_crossing(mesh.positions, axis, 1);
+  } else if (name == "bend") {
+    const int axis = option.axis();
+    const double turns = option.turns(1.25);
+    option.finish(name);
+    pose_bend(mesh.positions, axis, turns);
+  } else if (name == "fold") {
+    const int axis = option.axis();
+    const double angle = option.angle(4.2);
+    option.finish(name);
+    pose_fold(mesh.positions, axis, angle);
+  } else if (name == "swirl") {
+    const double core = option.core(0.5), turns = option.turns(0.15);
+    option.finish(name);
+    pose_swirl(mesh, core, turns);
+  } else if (name == "self-crossing") {
+    const int axis = option.axis(), crossings = option.crossings(2);
+    option.finish(name);
+    pose_self_crossing(mesh.positions, axis, crossings);
+  } else if (name == "overlap") {
+    const Vec3 offset = option.offset();
+    option.finish(name);
+    overlap_with_copy(mesh, offset);
+  } else {
+    throw Error("pose", fmt::format("there is no pose '{}'", name),
+                fmt::format("use one of {}", fmt::join(kNames, ", ")));
+  }
+}
+
+std::span<const TangledExample> tangled_examples() {
+  static constexpr std::array<TangledExample, 31> kExamples = {{
+      {"box", "overlap"},
+      {"beam", "twist"},
+      {"beam", "bend"},
+      {"beam", "fold"},
+      {"beam", "self-crossing"},
+      {"beam", "overlap"},
+      {"rod", "twist"},
+      {"rod", "bend"},
+      {"rod", "fold"},
+      {"rod", "self-crossing"},
+      {"rod", "overlap"},
+      {"trefoil", "overlap"},
+      {"nested-knot", "swirl"},
+      {"nested-knot", "overlap"},
+      {"noodle", "twist"},
+      {"noodle", "bend"},
+      {"noodle", "self-crossing"},
+      {"noodle", "fold"},
+      {"noodle", "overlap"},
+      {"ball", "overlap"},
+      {"torus", "bend"},
+      {"torus", "overlap"},
+      {"tube", "twist"},
+      {"tube", "bend"},
+      {"tube", "fold"},
+      {"tube", "overlap"},
+      {"squishy-ball", "swirl"},
+      {"squishy-ball", "overlap"},
+      {"octopus", "swirl"},
+      {"octopus", "overlap"},
+      {"cloth", "fold"},
+  }};
+  return kExamples;
+}
+
+}  // namespace selvage
