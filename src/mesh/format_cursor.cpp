@@ -111,7 +111,9 @@ double Cursor::real(std::string_view what) {
 void Cursor::check_count(std::int64_t value, std::string_view what, std::size_t bytes_each) const {
   if (value < 0) fail(fmt::format("the number of {} is negative: {}", what, value), kMend);
   const std::size_t wanted = static_cast<std::size_t>(value);
-  if (bytes_each > 0 && wanted > remaining() / bytes_each + 1) {
+  // In text the last thing of all needs no separator behind it.
+  const std::size_t unfinished = binary_ ? 0 : 1;
+  if (bytes_each > 0 && wanted > remaining() / bytes_each + unfinished) {
     fail(fmt::format("{} {} are announced, but only {} bytes follow", value, what, remaining()), kCutShort);
   }
   if (value > std::numeric_limits<Index>::max()) {

@@ -85,6 +85,9 @@ class Reader {
         version4_ ? read_elements4() : read_elements2();
         end_section(section);
         has_elements = true;
+      } else if (section == "$ParametricNodes") {
+        cursor_.fail("nodes with parameters are not read in version 2",
+                     "save with Mesh.SaveParametric = 0, or as version 4.1");
       } else {
         skip_section(section);
       }
@@ -311,17 +314,27 @@ void print_block(Printer& out, std::int32_t dimension, std::int32_t type, const 
   }
 }
 
-void print_nodes(Printer& out, const MeshFile& mesh, std::int32_t dimension, bool binary) {
+/// All nodes belong to the volume, or to the surface where there is none. A surface beside a volume gets an empty
+/// block: Gmsh knows only entities that the nodes have named.
+void print_nodes(Printer& out, const MeshFile& mesh, bool binary) {
   const std::uint64_t count = mesh.positions.size();
+  const bool both = !mesh.triangles.empty() && !mesh.tetrahedra.empty();
+  const std::int32_t dimension = mesh.tetrahedra.empty() ? 2 : 3;
+  const std::uint64_t blocks = both ? 2 : 1;
   if (!binary) {
-    out.text("1 ").number(count).text(" 1 ").number(count).text("\n");
+    out.number(blocks).text(" ").number(count).text(" 1 ").number(count).text(both ? "\n2 1 0 0\n" : "\n");
     out.number(dimension).text(" 1 0 ").number(count).text("\n");
     for (std::uint64_t i = 1; i <= count; ++i) out.number(i).text("\n");
     for (const Vec3& p : mesh.positions) out.numbers(p).text("\n");
     return;
   }
-  for (const std::uint64_t value : {std::uint64_t{1}, count, std::uint64_t{1}, count}) out.binary(value);
-  out.binary(dimension).binary(std::int32_t{1}).binary(std::int32_t{0}).binary(count);
+  const auto begin_block = [&](std::int32_t block_dimension, std::uint64_t size) {
+    for (const std::int32_t value : {block_dimension, 1, 0}) out.binary(value);
+    out.binary(size);
+  };
+  for (const std::uint64_t value : {blocks, count, std::uint64_t{1}, count}) out.binary(value);
+  if (both) begin_block(2, 0);
+  begin_block(dimension, count);
   for (std::uint64_t i = 1; i <= count; ++i) out.binary(i);
   for (const Vec3& p : mesh.positions) {
     for (const double x : p) out.binary(x);
@@ -341,7 +354,7 @@ std::string print_gmsh(const MeshFile& mesh, FileEncoding encoding) {
   out.text("$MeshFormat\n4.1 ").text(binary ? "1" : "0").text(" 8\n");
   if (binary) out.binary(std::int32_t{1}).text("\n");
   out.text("$EndMeshFormat\n$Nodes\n");
-  print_nodes(out, mesh, mesh.tetrahedra.empty() ? 2 : 3, binary);
+  print_nodes(out, mesh, binary);
   out.text("$EndNodes\n$Elements\n");
   const std::uint64_t blocks = std::uint64_t{!mesh.triangles.empty()} + std::uint64_t{!mesh.tetrahedra.empty()};
   const std::uint64_t count = mesh.triangles.size() + mesh.tetrahedra.size();

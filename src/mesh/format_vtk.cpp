@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace selvage::format {
 
 namespace {
@@ -212,7 +214,6 @@ class Reader {
     const std::int64_t count = cursor_.integer("the number of cell types");
     begin_values();
     types_ = integers(count, Scalar::kInt32, "cell types");
-    types_position_ = cursor_.last_position();
   }
 
   void add_cells() {
@@ -253,8 +254,10 @@ class Reader {
       if (cursor_.token().empty()) cursor_.fail_expected("a field's name");
       const std::int64_t components = cursor_.count("components", 0);
       const std::int64_t tuples = cursor_.count("tuples", 0);
-      const bool strings = cursor_.peek() == "string";
-      if (strings) cursor_.fail("a field holds strings", "export the file again without string fields");
+      if (cursor_.peek() == "string") {
+        skip_strings(components, tuples);
+        continue;
+      }
       const Scalar type = read_type();
       begin_values();
       const std::size_t each = static_cast<std::size_t>(components) * (cursor_.is_binary() ? size_of(type) : 2);
@@ -264,6 +267,26 @@ class Reader {
       } else {
         for (std::int64_t i = 0; components > 0 && i < tuples * components; ++i) cursor_.real("a field's value");
       }
+    }
+  }
+
+  /// Strings, one a line; in a binary file each behind its length, whose first two bits tell how many bytes it takes.
+  void skip_strings(std::int64_t components, std::int64_t tuples) {
+    cursor_.next_line();
+    if (components > 0) cursor_.check_count(tuples, "strings", static_cast<std::size_t>(components));
+    for (std::int64_t i = 0; components > 0 && i < tuples * components; ++i) {
+      if (!cursor_.is_binary()) {
+        if (cursor_.remaining() == 0) cursor_.fail_expected("a string");
+        cursor_.line();
+        continue;
+      }
+      const std::string_view rest = cursor_.bytes(0, "a string");
+      const int width = cursor_.remaining() == 0 ? 1 : 8 >> (static_cast<unsigned char>(*rest.data()) >> 6);
+      std::uint64_t length = 0;
+      for (const char c : cursor_.bytes(static_cast<std::size_t>(width), "a string's length")) {
+        length = length << 8 | static_cast<unsigned char>(c);
+      }
+      cursor_.bytes(length & (~std::uint64_t{0} >> (66 - 8 * width)), "a string");
     }
   }
 
@@ -279,7 +302,6 @@ class Reader {
   VertexNumbers numbers_;
   std::vector<std::int64_t> grid_offsets_, grid_vertices_, types_;
   std::size_t grid_position_ = 0;
-  std::size_t types_position_ = 0;
 };
 
 template <std::size_t N>
