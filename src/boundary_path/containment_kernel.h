@@ -18,10 +18,11 @@ struct ContainmentScene {
   const VertexTuple<D + 1>* elements;
   std::span<const BvhNode> element_nodes;
   BoxFrame<D> frame;
+  bool all_positive;  ///< no element is inverted or flat
 };
 
-/// Points to look for: `points[i]` has the number `ids[i]`, or i when ids is null. With `skip_own` the numbers are
-/// vertices, and elements that have the vertex are left out.
+/// Points to look for, best in an order that keeps neighbours together: `points[i]` has the number `ids[i]`. With
+/// `skip_own` the numbers are vertices, and elements that have the vertex are left out.
 template <int D>
 struct PointBatch {
   const Vec<D>* points;

@@ -100,7 +100,9 @@ struct BoundaryPathFinder<D>::State {
   }
 
   ContainmentScene<D> containment_scene() const {
-    return {pose.positions().data(), mesh.elements().data(), elements.nodes(), pose.frame()};
+    const PoseDefects& defects = pose.defects();
+    return {pose.positions().data(), mesh.elements().data(), elements.nodes(), pose.frame(),
+            defects.inverted_elements + defects.degenerate_elements == 0};
   }
 
   Vec<D> to_scene(const Vec<D>& x) const { return scaled(x, -pose.exponent()); }
