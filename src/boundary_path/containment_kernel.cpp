@@ -9,54 +9,108 @@ inline namespace SELVAGE_ISA {
 
 namespace {
 
-double det(const double* a, const double* b) {
-  return a[0] * b[1] - a[1] * b[0];
-}
-
-struct Cross {
-  double x, y, z;
-  Cross(const double* a, const double* b)
-      : x(a[1] * b[2] - a[2] * b[1]), y(a[2] * b[0] - a[0] * b[2]), z(a[0] * b[1] - a[1] * b[0]) {}
-  double dot(const double* c) const { return x * c[0] + y * c[1] + z * c[2]; }
-};
-
-/// 1 when p is certainly strictly inside a positive simplex, -1 when it is certainly outside, 0 when rounding leaves a
-/// doubt. `corner` holds the vertices relative to p.
-int filter_inside(const double (&corner)[3][2], double reach) {
-  const double bound = 16 * kUnitRoundoff * reach * reach + kTrustAbove;
-  const double a = det(corner[1], corner[2]), b = det(corner[2], corner[0]), c = det(corner[0], corner[1]);
-  const double least = std::min(std::min(a, b), c);
-  return least < -bound ? -1 : least > bound ? 1 : 0;
-}
-
-int filter_inside(const double (&corner)[4][3], double reach) {
-  const double bound = 64 * kUnitRoundoff * reach * reach * reach + kTrustAbove;
-  const Cross cd(corner[2], corner[3]);
-  const double first = std::min(cd.dot(corner[1]), -cd.dot(corner[0]));
-  if (first < -bound) return -1;
-  const Cross ab(corner[0], corner[1]);
-  const double least = std::min(first, std::min(ab.dot(corner[3]), -ab.dot(corner[2])));
-  return least < -bound ? -1 : least > bound ? 1 : 0;
-}
-
+/// Eight pairs of a point and an element whose box holds it, waiting to be looked at together.
+///
+/// First in single precision, with a bound of all rounding, which rejects nearly every element that does not hold the
+/// point; what is left is decided exactly.
 template <int D>
-bool holds(const ContainmentScene<D>& scene, const VertexTuple<D + 1>& vertices, const Vec<D>& p) {
-  if (scene.all_positive) {
-    double corner[D + 1][D];
-    double reach = 0;
+class PairFilter {
+ public:
+  PairFilter(const ContainmentScene<D>& scene, const PointBatch<D>& batch, std::vector<PointInElement>& found)
+      : scene_(scene), batch_(batch), found_(found) {}
+
+  /// `point` is the place in the batch.
+  void add(Index point, Index element) {
+    for (int k = 0; k <= D; ++k) {
+      const auto& x = scene_.rounded[scene_.elements[element][k]];
+      for (int i = 0; i < D; ++i) corners_[k][i][count_] = x[i];
+    }
+    for (int i = 0; i < D; ++i)
+      point_[i][count_] = static_cast<float>(batch_.points[point][i] - scene_.frame.origin[i]);
+    pairs_[count_++] = {point, element};
+    if (count_ == kSize) flush();
+  }
+
+  void flush() {
+    for (unsigned rest = may_hold() & ((1u << count_) - 1); rest != 0; rest &= rest - 1) {
+      const auto [point, element] = pairs_[lowest_lane(rest)];
+      std::array<Vec<D>, D + 1> corners;
+      for (int k = 0; k <= D; ++k) corners[k] = scene_.positions[scene_.elements[element][k]];
+      if (locate_in_simplex<D>(corners, batch_.points[point]).inside)
+        append_found(found_, {batch_.ids[point], element});
+    }
+    count_ = 0;
+  }
+
+ private:
+  static constexpr int kSize = 8;
+  using Lanes = Float8;
+
+  static Lanes negative(Lanes a) { return Lanes::broadcast(0) - a; }
+  static Lanes magnitude(Lanes a) { return max(a, negative(a)); }
+
+  /// Signed volumes (times D!) of the element's parts: entry k with vertex k replaced by the point.
+  static void split(const Lanes (&c)[3][2], Lanes (&part)[3]) {
+    const auto det = [](const Lanes* a, const Lanes* b) { return a[0] * b[1] - a[1] * b[0]; };
+    part[0] = det(c[1], c[2]);
+    part[1] = det(c[2], c[0]);
+    part[2] = det(c[0], c[1]);
+  }
+  static void split(const Lanes (&c)[4][3], Lanes (&part)[4]) {
+    const auto cross = [](const Lanes* a, const Lanes* b, Lanes* r) {
+      r[0] = a[1] * b[2] - a[2] * b[1];
+      r[1] = a[2] * b[0] - a[0] * b[2];
+      r[2] = a[0] * b[1] - a[1] * b[0];
+    };
+    const auto dot = [](const Lanes* a, const Lanes* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
+    Lanes ab[3], cd[3];
+    cross(c[0], c[1], ab);
+    cross(c[2], c[3], cd);
+    part[0] = dot(cd, c[1]);
+    part[1] = negative(dot(cd, c[0]));
+    part[2] = dot(ab, c[3]);
+    part[3] = negative(dot(ab, c[2]));
+  }
+
+  /// Which of the pairs cannot be ruled out.
+  unsigned may_hold() const {
+    Lanes c[D + 1][D], part[D + 1];
+    Lanes reach = Lanes::broadcast(0);
     for (int k = 0; k <= D; ++k) {
       for (int i = 0; i < D; ++i) {
-        corner[k][i] = scene.positions[vertices[k]][i] - p[i];
-        reach = std::max(reach, std::abs(corner[k][i]));
+        c[k][i] = Lanes::load(corners_[k][i]) - Lanes::load(point_[i]);
+        reach = max(reach, magnitude(c[k][i]));
       }
     }
-    const int sure = filter_inside(corner, reach);
-    if (sure != 0) return sure > 0;
+    split(c, part);
+    Lanes least = part[0], greatest = part[0], total = part[0];
+    for (int k = 1; k <= D; ++k) {
+      least = min(least, part[k]);
+      greatest = max(greatest, part[k]);
+      total = total + part[k];
+    }
+    // Each coordinate is off by three roundings: two positions, one difference. A part is a sum of D! products of D
+    // coordinates, each product off by D (three roundings) reach^(D-1), and by as many floating-point roundings.
+    const Lanes error = Lanes::broadcast(3 * scene_.rounding) + reach * Lanes::broadcast(0x1p-22f);
+    Lanes bound = error * reach * Lanes::broadcast(32);
+    if (D == 3) bound = bound * reach;
+    bound = bound + Lanes::broadcast(1e-35f);
+    const Lanes four = Lanes::broadcast(4) * bound;
+    const unsigned outside_positive = less_equal(least, negative(bound)) & less_equal(four, total);
+    const unsigned outside_negative = less_equal(bound, greatest) & less_equal(total, negative(four));
+    return ~(outside_positive | outside_negative);
   }
-  std::array<Vec<D>, D + 1> corners;
-  for (int k = 0; k <= D; ++k) corners[k] = scene.positions[vertices[k]];
-  return locate_in_simplex<D>(corners, p).inside;
-}
+
+  const ContainmentScene<D>& scene_;
+  const PointBatch<D>& batch_;
+  std::vector<PointInElement>& found_;
+  alignas(32) float corners_[D + 1][D][kSize]{};
+  alignas(32) float point_[D][kSize]{};
+  struct {
+    Index point, element;
+  } pairs_[kSize];
+  int count_ = 0;
+};
 
 /// Boxes of up to eight points that lie near each other, which walk down the hierarchy together.
 struct PointGroup {
@@ -91,6 +145,7 @@ struct PointGroup {
 template <int D>
 void find_all(const ContainmentScene<D>& scene, const PointBatch<D>& batch, std::vector<PointInElement>& found) {
   if (scene.element_nodes.empty()) return;
+  PairFilter<D> filter(scene, batch, found);
   Index stack[traversal::kStackSize];
   for (Index first = 0; first < batch.count; first += PointGroup::kSize) {
     const PointGroup group(scene.frame, batch.points + first, std::min(PointGroup::kSize, batch.count - first));
@@ -112,11 +167,12 @@ void find_all(const ContainmentScene<D>& scene, const PointBatch<D>& batch, std:
         for (; points != 0; points &= points - 1) {
           const Index i = first + lowest_lane(points);
           if (batch.skip_own && contains(vertices, batch.ids[i])) continue;
-          if (holds(scene, vertices, batch.points[i])) append_found(found, {batch.ids[i], child});
+          filter.add(i, child);
         }
       }
     }
   }
+  filter.flush();
 }
 
 }  // namespace

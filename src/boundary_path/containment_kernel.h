@@ -18,7 +18,8 @@ struct ContainmentScene {
   const VertexTuple<D + 1>* elements;
   std::span<const BvhNode> element_nodes;
   BoxFrame<D> frame;
-  bool all_positive;  ///< no element is inverted or flat
+  const std::array<float, 4>* rounded;  ///< per vertex: its position in the frame, to the nearest floats
+  float rounding;                       ///< bounds the error of each of them
 };
 
 /// Points to look for, best in an order that keeps neighbours together: `points[i]` has the number `ids[i]`. With

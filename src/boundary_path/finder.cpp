@@ -100,9 +100,8 @@ struct BoundaryPathFinder<D>::State {
   }
 
   ContainmentScene<D> containment_scene() const {
-    const PoseDefects& defects = pose.defects();
-    return {pose.positions().data(), mesh.elements().data(), elements.nodes(), pose.frame(),
-            defects.inverted_elements + defects.degenerate_elements == 0};
+    return {pose.positions().data(),         mesh.elements().data(), elements.nodes(), pose.frame(),
+            pose.rounded_positions().data(), pose.rounding()};
   }
 
   Vec<D> to_scene(const Vec<D>& x) const { return scaled(x, -pose.exponent()); }

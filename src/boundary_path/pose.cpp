@@ -84,9 +84,15 @@ void Pose<D>::set(std::span<const Vec<D>> positions) {
   exponent_ = largest > 0 ? std::ilogb(largest) : 0;
   // By two factors: 2^-exponent itself may overflow.
   const double half = std::ldexp(1.0, -exponent_ / 2), rest = std::ldexp(1.0, -exponent_ - -exponent_ / 2);
-  positions_.resize(positions.size());
-  parallel_for(std::ssize(positions), kGrain, [&](std::int64_t v) { positions_[v] = positions[v] * half * rest; });
   frame_.origin = (lower * half * rest + upper * half * rest) / 2;
+  positions_.resize(positions.size());
+  rounded_.resize(positions.size());
+  parallel_for(std::ssize(positions), kGrain, [&](std::int64_t v) {
+    positions_[v] = positions[v] * half * rest;
+    rounded_[v] = {};
+    for (int i = 0; i < D; ++i) rounded_[v][i] = static_cast<float>(positions_[v][i] - frame_.origin[i]);
+  });
+  rounding_ = static_cast<float>(0x1p-24 * ((upper - lower) * half * rest).maxCoeff()) + 0x1p-149f;
 
   defects_ = {};
   component_states_.assign(topology_.component_count, ComponentState::kImmersed);

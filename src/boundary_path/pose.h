@@ -19,6 +19,10 @@ class Pose {
   /// positions() are the given ones times 2^-exponent(), so that the largest coordinate is about 1.
   int exponent() const { return exponent_; }
   const BoxFrame<D>& frame() const { return frame_; }
+
+  /// positions() in the frame, each coordinate to the nearest float (the rest 0), and a bound of the error.
+  std::span<const std::array<float, 4>> rounded_positions() const { return rounded_; }
+  float rounding() const { return rounding_; }
   const PoseDefects& defects() const { return defects_; }
   std::span<const ComponentState> component_states() const { return component_states_; }
 
@@ -57,6 +61,8 @@ class Pose {
   const SimplexMesh<D>& mesh_;
   const PathTopology<D>& topology_;
   std::vector<Vec<D>> positions_;
+  std::vector<std::array<float, 4>> rounded_;
+  float rounding_ = 0;
   int exponent_ = 0;
   BoxFrame<D> frame_;
   PoseDefects defects_;
