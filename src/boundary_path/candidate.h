@@ -86,34 +86,42 @@ inline CandidateFactory<3>::Estimate CandidateFactory<3>::estimate(Index face) c
   }
   // forward[i]: along edge i from its first end a = i+1; negative while it comes closer. backward[i]: at its last end.
   double forward[3], backward[3];
-  bool unsure = false;
+  bool forward_unsure[3], backward_unsure[3];
   for (int i = 0; i < 3; ++i) {
     const double *a = v[(i + 1) % 3], *b = v[(i + 2) % 3];
     forward[i] = dot(a, e[i]);
     backward[i] = dot(b, e[i]);
-    unsure |= !(std::abs(forward[i]) > 8 * kUnitRoundoff * absolute_dot(a, e[i]) + kTrustAbove);
-    unsure |= !(std::abs(backward[i]) > 8 * kUnitRoundoff * absolute_dot(b, e[i]) + kTrustAbove);
+    forward_unsure[i] = !(std::abs(forward[i]) > 8 * kUnitRoundoff * absolute_dot(a, e[i]) + kTrustAbove);
+    backward_unsure[i] = !(std::abs(backward[i]) > 8 * kUnitRoundoff * absolute_dot(b, e[i]) + kTrustAbove);
   }
-  const double error = kEstimateError * std::max({largest(v[0]), largest(v[1]), largest(v[2])});
-  for (int i = 0; i < 3; ++i)
-    if (forward[(i + 2) % 3] >= 0 && backward[(i + 1) % 3] <= 0) return {dot(v[i], v[i]), error, 1u << i, unsure};
-  // Which side of each edge p lies on, in the triangle's plane: sums of products of dot products with itself.
+  const double error = kEstimateError * std::max(std::max(largest(v[0]), largest(v[1])), largest(v[2]));
+  // A region whose own inequalities are certain is the right one, whatever the others say.
+  for (int i = 0; i < 3; ++i) {
+    const int out = (i + 2) % 3, in = (i + 1) % 3;  // the edges that leave and enter vertex i
+    if (forward[out] >= 0 && backward[in] <= 0)
+      return {dot(v[i], v[i]), error, 1u << i, forward_unsure[out] || backward_unsure[in]};
+  }
+  // Which side of each edge p lies on, in the triangle's plane.
   const double n[3] = {e[2][1] * -e[1][2] + e[2][2] * e[1][1], e[2][2] * -e[1][0] + e[2][0] * e[1][2],
                        e[2][0] * -e[1][1] + e[2][1] * e[1][0]};
+  bool unsure = false;
   for (int i = 0; i < 3; ++i) {
     const double* a = v[(i + 1) % 3];
     const double inward[3] = {n[1] * e[i][2] - n[2] * e[i][1], n[2] * e[i][0] - n[0] * e[i][2],
                               n[0] * e[i][1] - n[1] * e[i][0]};
     const double beyond = dot(a, inward);
     const double bound = 256 * kUnitRoundoff * largest(a) * largest(e[2]) * largest(e[1]) * largest(e[i]);
-    unsure |= !(std::abs(beyond) > bound + kTrustAbove);
+    const bool beyond_unsure = !(std::abs(beyond) > bound + kTrustAbove);
     if (beyond >= 0 && forward[i] <= 0 && backward[i] >= 0) {
       const double t = -forward[i] / (backward[i] - forward[i]);
       double s[3];
       for (int k = 0; k < 3; ++k) s[k] = a[k] + t * e[i][k];
-      return {dot(s, s), error, (1u << (i + 1) % 3) | (1u << (i + 2) % 3), unsure};
+      return {dot(s, s), error, (1u << (i + 1) % 3) | (1u << (i + 2) % 3),
+              beyond_unsure || forward_unsure[i] || backward_unsure[i]};
     }
+    unsure |= beyond_unsure;
   }
+  // Inside all edges for certain, or for lack of a better region.
   const double height = dot(n, v[0]), squared = dot(n, n);
   const bool thin = !(squared > 1e-4 * dot(e[1], e[1]) * dot(e[2], e[2]));
   return {height * height / squared, thin ? HUGE_VAL : error, 0b111, unsure};

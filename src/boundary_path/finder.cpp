@@ -34,6 +34,7 @@ struct BoundaryPathFinder<D>::State {
   PathTopology<D> topology;
   Pose<D> pose;
   Bvh faces, elements;
+  std::vector<ConeNode> cones;      ///< on the nodes of `faces`
   std::vector<Index> element_rank;  ///< place of each element in the order of the leaves: near in rank, near in space
   std::vector<Index> vertex_order;  ///< boundary vertices in that order
 
@@ -47,12 +48,14 @@ struct BoundaryPathFinder<D>::State {
     faces.refit(face_boxes());
     elements.refit(element_boxes());
     if (faces.quality_loss() > Bvh::kRebuildAbove) faces = Bvh(face_boxes());
+    fit_cones(faces, mesh, pose.normal_cones(), cones);
     if (elements.quality_loss() > Bvh::kRebuildAbove) build_elements();
   }
 
   void rebuild(std::span<const Vec<D>> positions) {
     pose.set(positions);
     faces = Bvh(face_boxes());
+    fit_cones(faces, mesh, pose.normal_cones(), cones);
     build_elements();
   }
 
@@ -88,6 +91,7 @@ struct BoundaryPathFinder<D>::State {
             mesh.boundary_neighbours().data(),
             &mesh,
             faces.nodes(),
+            cones.data(),
             pose.frame(),
             topology.component_of.data(),
             pose.component_states().data(),

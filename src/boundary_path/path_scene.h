@@ -1,5 +1,6 @@
 #pragma once
 
+#include "boundary_path/normal_cones.h"
 #include "selvage/boundary_path/boundary_path.h"
 #include "selvage/bvh/box.h"
 #include "selvage/bvh/bvh.h"
@@ -50,6 +51,7 @@ struct PathScene {
   const std::array<Index, D>* boundary_neighbours;
   const SimplexMesh<D>* mesh;  ///< for the stars of vertices
   std::span<const BvhNode> face_nodes;
+  const ConeNode* face_cones;  ///< per node of face_nodes
   BoxFrame<D> frame;
   const Index* component_of;              ///< per element
   const ComponentState* component_state;  ///< per component

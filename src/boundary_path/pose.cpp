@@ -35,6 +35,13 @@ int half_turn(std::span<const Vec2> x, const VertexTuple<1>& ridge, Index first,
   return (x[first] - x[ridge[0]]).dot(x[v] - x[ridge[0]]) >= 0 ? 0 : 1;
 }
 
+/// A cone in single precision, wider by more than its rounding; unbounded when it is wider than a half space.
+NormalCone cone_around(const Vec3& axis, double cosine) {
+  if (!(cosine > 1e-3)) return NormalCone::everything();
+  const Eigen::Vector3f a = axis.cast<float>();
+  return {{a[0], a[1], a[2]}, static_cast<float>(cosine) - 4e-6f};
+}
+
 /// How often a link of less than half a turn a step comes around to the direction of its first vertex.
 template <int D>
 int count_turns(std::span<const Vec<D>> x, const VertexTuple<D - 1>& ridge, std::span<const Index> link) {
@@ -169,16 +176,21 @@ void Pose<D>::list_defects() {
 template <int D>
 void Pose<D>::prove_boundary_vertices() {
   cullable_.assign(mesh_.vertex_count(), 0);
+  normal_cones_.assign(mesh_.vertex_count(), NormalCone::everything());
   const auto vertices = mesh_.boundary_vertices();
-  parallel_for(std::ssize(vertices), kGrain,
-               [&](std::int64_t i) { cullable_[vertices[i]] = is_boundary_vertex_injective(vertices[i]); });
+  parallel_for(std::ssize(vertices), kGrain, [&](std::int64_t i) {
+    const Index v = vertices[i];
+    NormalCone cone;
+    cullable_[v] = is_boundary_vertex_injective(v, cone);
+    if (cullable_[v]) normal_cones_[v] = cone;
+  });
 }
 
 /// Sufficient, not necessary: seen along the average normal, the boundary faces around the vertex all turn the same way
 /// and go around once. Then the link of the vertex is bounded by a simple polygon on the sphere of directions, and
 /// elements that fill it without an overwound interior ridge cover it once.
 template <>
-bool Pose<3>::is_boundary_vertex_injective(Index v) const {
+bool Pose<3>::is_boundary_vertex_injective(Index v, NormalCone& cone) const {
   const auto star = mesh_.vertex_boundary_faces(v);
   std::array<Vec3, 64> normals;
   if (star.size() > normals.size()) return false;
@@ -190,8 +202,13 @@ bool Pose<3>::is_boundary_vertex_injective(Index v) const {
   }
   constexpr double kMargin = 1e-9;  // relative; far above rounding
   const double axis_length = axis.norm();
-  for (std::size_t i = 0; i < star.size(); ++i)
-    if (!(normals[i].dot(axis) > kMargin * normals[i].norm() * axis_length)) return false;
+  double cosine = 1;
+  for (std::size_t i = 0; i < star.size(); ++i) {
+    const double along = normals[i].dot(axis), length = normals[i].norm() * axis_length;
+    if (!(along > kMargin * length)) return false;
+    cosine = std::min(cosine, along / length);
+  }
+  cone = cone_around(axis / axis_length, cosine);
   // A half plane that no edge is likely to lie in; an edge too close to it leaves the vertex unproven.
   const Vec3 across = axis.cross(Vec3(0.3571, 0.6139, 0.7041));
   const double across_length = across.norm();
@@ -209,9 +226,18 @@ bool Pose<3>::is_boundary_vertex_injective(Index v) const {
 
 /// The elements around the vertex turn by less than 2 pi.
 template <>
-bool Pose<2>::is_boundary_vertex_injective(Index v) const {
+bool Pose<2>::is_boundary_vertex_injective(Index v, NormalCone& cone) const {
   const auto star = mesh_.vertex_boundary_faces(v);
   if (star.size() != 2) return false;
+  std::array<Vec2, 2> normals;
+  for (int i = 0; i < 2; ++i) {
+    const auto& f = mesh_.boundary_faces()[star[i]];
+    const Vec2 along = positions_[f[1]] - positions_[f[0]];
+    normals[i] = Vec2(along[1], -along[0]).normalized();
+  }
+  const Vec2 sum = normals[0] + normals[1];
+  const Vec2 axis = sum.norm() > 0.1 ? Vec2(sum.normalized()) : normals[0];
+  cone = cone_around(Vec3(axis[0], axis[1], 0), std::min(normals[0].dot(axis), normals[1].dot(axis)));
   const int corner = mesh_.boundary_faces()[star[0]][0] == v ? 1 : 0;
   std::vector<Index> link;
   collect_boundary_link(mesh_, star[0], corner, link);

@@ -44,6 +44,9 @@ class Pose {
   /// Per vertex: 1 when its boundary faces are proven to be locally injective, so that candidates there may be culled.
   std::span<const std::uint8_t> cullable() const { return cullable_; }
 
+  /// Per vertex the cone of its boundary faces' normals; unbounded where it is not cullable.
+  std::span<const NormalCone> normal_cones() const { return normal_cones_; }
+
   /// Per boundary face: 1 when its owner is inverted or flat.
   std::span<const std::uint8_t> inverted_owners() const { return inverted_owners_; }
 
@@ -56,7 +59,7 @@ class Pose {
   void list_defects();
   bool is_overwound(std::int64_t fan) const;
   void prove_boundary_vertices();
-  bool is_boundary_vertex_injective(Index v) const;
+  bool is_boundary_vertex_injective(Index v, NormalCone& cone) const;
 
   const SimplexMesh<D>& mesh_;
   const PathTopology<D>& topology_;
@@ -70,13 +73,14 @@ class Pose {
   std::vector<Defect> defect_places_;
   Bvh defect_hierarchy_;
   std::vector<std::uint8_t> cullable_;
+  std::vector<NormalCone> normal_cones_;
   std::vector<std::uint8_t> inverted_owners_;
 };
 
 template <>
-bool Pose<2>::is_boundary_vertex_injective(Index v) const;
+bool Pose<2>::is_boundary_vertex_injective(Index v, NormalCone& cone) const;
 template <>
-bool Pose<3>::is_boundary_vertex_injective(Index v) const;
+bool Pose<3>::is_boundary_vertex_injective(Index v, NormalCone& cone) const;
 
 extern template class Pose<2>;
 extern template class Pose<3>;

@@ -29,6 +29,7 @@ class Search {
   static constexpr double kBoundSlack = 1 + 1e-5;
 
   void set_safe_distance(bool own);
+  unsigned keep(const BvhNode& node, Index place, unsigned children) const;
   void start_from_hints();
   void consider(Index face);
   void test(const Candidate<D>& candidate);
@@ -59,6 +60,7 @@ class Search {
   double safe_distance_ = 0;
   double defect_distance_ = 0;  ///< the same, but for p's own position on the boundary
 
+  Float8 eye_[3];  ///< p in the frame
   Candidate<D> best_;
   double best_squared_ = kInfinity;
   double known_squared_ = kInfinity;  ///< some boundary point that p can reach is this close
@@ -94,6 +96,7 @@ PathResult<D> Search<D>::run() {
 
   start_from_hints();
   const Box box = scene_.frame.around_point(query_.point);
+  for (int i = 0; i < 3; ++i) eye_[i] = Float8::broadcast((box.lower[i] + box.upper[i]) * 0.5f);
   std::int64_t volumes = 0;
   visit_nearest(
       scene_.face_nodes, box, round_up(squared_bound()),
@@ -101,7 +104,7 @@ PathResult<D> Search<D>::run() {
         consider(face);
         return round_up(squared_bound());
       },
-      volumes);
+      volumes, [&](const BvhNode& node, Index place, unsigned children) { return keep(node, place, children); });
   if (counters_ != nullptr) counters_->volumes_visited += volumes;
 
   if (best_squared_ == kInfinity) return result;
@@ -126,6 +129,33 @@ void Search<D>::set_safe_distance(bool own) {
   });
   defect_distance_ = std::sqrt(double(nearest)) * (state_ == ComponentState::kInverted ? 0.333 : 1.0);
   safe_distance_ = own ? 0 : defect_distance_;
+}
+
+/// Children below which the answer may lie: see ConeNode.
+template <int D>
+inline unsigned Search<D>::keep(const BvhNode& node, Index place, unsigned children) const {
+  if (!scene_.options.cull_infeasible_regions || !(reject_above_ < safe_distance_)) return children;
+  const ConeNode& cones = scene_.face_cones[place];
+  const Float8 zero = Float8::broadcast(0), half = Float8::broadcast(0.5f);
+  Float8 along = zero, squared_length = zero, squared_radius = zero, length_bound = zero;
+  for (int i = 0; i < 3; ++i) {
+    const Float8 lower = Float8::load(node.lower[i]), upper = Float8::load(node.upper[i]);
+    const Float8 from_middle = eye_[i] - (lower + upper) * half, extent = (upper - lower) * half;
+    along = along + from_middle * Float8::load(cones.axis[i]);
+    squared_length = squared_length + from_middle * from_middle;
+    squared_radius = squared_radius + extent * extent;
+    length_bound = length_bound + max(from_middle, zero - from_middle);
+  }
+  // How far p is outside the cone of directions around the axis' opposite, opened at each point of the child's sphere.
+  // Slack for the rounding of positions in the frame, which is a few units across, and for the root of a small
+  // difference, which loses half its digits.
+  const Float8 across = sqrt(max(squared_length - along * along, zero)) * Float8::load(cones.cosine);
+  const Float8 lift = along * Float8::load(cones.sine);
+  const Float8 radius = sqrt(squared_radius) * Float8::broadcast(1.001f) + length_bound * Float8::broadcast(1e-3f) +
+                        Float8::broadcast(1e-6f);
+  const unsigned not_below = less_equal(radius, across + lift);
+  const unsigned not_above = less_equal(radius, across - lift);
+  return children & ~(not_below & (not_above | ~cones.two_sided));
 }
 
 template <int D>

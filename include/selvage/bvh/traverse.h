@@ -16,6 +16,11 @@ struct NoCounter {
   SELVAGE_INLINE void operator++() const {}
 };
 
+/// A filter of children that keeps all.
+struct KeepAll {
+  SELVAGE_INLINE unsigned operator()(const BvhNode&, Index, unsigned children) const { return children; }
+};
+
 namespace traversal {
 
 // A popped node leaves at most eight children where it was.
@@ -88,10 +93,13 @@ SELVAGE_INLINE Index child_of(std::uint64_t waiting) {
 }
 
 /// Puts the children of a node that are within the limit on the stack, the nearest on top. Returns the new top.
-SELVAGE_INLINE std::uint64_t* push_near_children(std::span<const BvhNode> nodes, const BvhNode& node,
-                                                 const WideBox& box, float limit, std::uint64_t* top) {
+template <typename Filter>
+SELVAGE_INLINE std::uint64_t* push_near_children(std::span<const BvhNode> nodes, Index place, const WideBox& box,
+                                                 float limit, std::uint64_t* top, Filter& filter) {
+  const BvhNode& node = nodes[place];
   const Float8 computed = squared_distances(node, box);
-  const unsigned near = less_equal(computed, Float8::broadcast(limit)) & node.present();
+  const unsigned within = less_equal(computed, Float8::broadcast(limit)) & node.present();
+  const unsigned near = filter(node, place, within);
   // Distinct keys: a child's place is the number of nearer ones, found without a branch.
   const Float8 keys = tag_lanes(min(computed, Float8::broadcast(std::numeric_limits<float>::max())));
   alignas(32) float distances[BvhNode::kWidth];
@@ -118,12 +126,14 @@ SELVAGE_INLINE std::uint64_t* push_near_children(std::span<const BvhNode> nodes,
 ///                       distance between the point and the primitive's box, and returns the new squared bound (see
 ///                       round_up() in box.h), usually a smaller one; a negative one ends the search
 /// @param counter        `++counter` for each node visited
+/// @param filter         `unsigned filter(const BvhNode&, Index place, unsigned children)` returns those of a node's
+///                       children (bits) that are worth a visit: for a reason of the caller's beside distance
 ///
 /// No primitive is missed whose box is within the bound when its turn comes: the bound is widened by more than all
 /// rounding. A primitive a few units in the last place outside it may be visited too. Depth-first, children sorted.
-template <typename Visit, typename Counter = NoCounter>
+template <typename Visit, typename Counter = NoCounter, typename Filter = KeepAll>
 inline void visit_nearest(std::span<const BvhNode> nodes, const Box& point, float squared_bound, Visit&& visit,
-                          Counter&& counter = {}) {
+                          Counter&& counter = {}, Filter&& filter = {}) {
   if (nodes.empty()) return;
   const traversal::WideBox box(point);
   float limit = traversal::widen_bound(squared_bound);
@@ -137,7 +147,7 @@ inline void visit_nearest(std::span<const BvhNode> nodes, const Box& point, floa
     const Index child = traversal::child_of(waiting);
     if (child < 0) {
       ++counter;
-      top = traversal::push_near_children(nodes, nodes[~child], box, limit, top);
+      top = traversal::push_near_children(nodes, ~child, box, limit, top, filter);
     } else {
       limit = traversal::widen_bound(visit(child, traversal::lower_bound(distance)));
     }

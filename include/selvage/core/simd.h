@@ -66,6 +66,9 @@ SELVAGE_INLINE Float4 min(Float4 a, Float4 b) {
 SELVAGE_INLINE Float4 max(Float4 a, Float4 b) {
   return {_mm_max_ps(a.v, b.v)};
 }
+SELVAGE_INLINE Float4 sqrt(Float4 a) {
+  return {_mm_sqrt_ps(a.v)};
+}
 SELVAGE_INLINE Float4 and_bits(Float4 a, Float4 b) {
   return {_mm_and_ps(a.v, b.v)};
 }
@@ -138,6 +141,9 @@ SELVAGE_INLINE Float4 min(const Float4& a, const Float4& b) {
 SELVAGE_INLINE Float4 max(const Float4& a, const Float4& b) {
   return Float4::lanes([&](int i) { return a.v[i] > b.v[i] ? a.v[i] : b.v[i]; });
 }
+SELVAGE_INLINE Float4 sqrt(const Float4& a) {
+  return Float4::lanes([&](int i) { return __builtin_sqrtf(a.v[i]); });
+}
 SELVAGE_INLINE Float4 and_bits(const Float4& a, const Float4& b) {
   return Float4::lanes([&](int i) { return std::bit_cast<float>(float_bits(a.v[i]) & float_bits(b.v[i])); });
 }
@@ -205,6 +211,9 @@ SELVAGE_INLINE Float8 min(Float8 a, Float8 b) {
 SELVAGE_INLINE Float8 max(Float8 a, Float8 b) {
   return {_mm256_max_ps(a.v, b.v)};
 }
+SELVAGE_INLINE Float8 sqrt(Float8 a) {
+  return {_mm256_sqrt_ps(a.v)};
+}
 SELVAGE_INLINE Float8 and_bits(Float8 a, Float8 b) {
   return {_mm256_and_ps(a.v, b.v)};
 }
@@ -256,6 +265,9 @@ SELVAGE_INLINE Float8 min(Float8 a, Float8 b) {
 }
 SELVAGE_INLINE Float8 max(Float8 a, Float8 b) {
   return {{max(a.low(), b.low()), max(a.high(), b.high())}};
+}
+SELVAGE_INLINE Float8 sqrt(Float8 a) {
+  return {{sqrt(a.low()), sqrt(a.high())}};
 }
 SELVAGE_INLINE Float8 and_bits(Float8 a, Float8 b) {
   return {{and_bits(a.low(), b.low()), and_bits(a.high(), b.high())}};
