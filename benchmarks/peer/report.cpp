@@ -1,0 +1,101 @@
+#include "peer/report.h"
+
+#include "selvage/core/error.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <fstream>
+#include <iostream>
+
+namespace selvage::bench {
+
+namespace {
+
+double micro_per_item(double seconds, const Row& row) {
+  return 1e6 * seconds / static_cast<double>(std::max<std::int64_t>(row.items, 1));
+}
+
+nlohmann::json to_json(const Duration& d) {
+  return {{"processor", d.processor}, {"clock", d.clock}};
+}
+
+}  // namespace
+
+void Report::say(const std::string& line) const {
+  fmt::print(table_, "{}\n", line);
+  std::fflush(table_);
+}
+
+void Report::print_header() const {
+  fmt::print(table_, "{:<26}{:>4}{:>9} {:<7}| {:>9}{:>9} | {:>9}{:>9} | {:>7}{:>7} | {}\n", "microseconds an item",
+             "thr", "items", "", "ours cpu", "clock", "peer cpu", "clock", "p/o cpu", "clock",
+             "peer's setting (rounds)");
+}
+
+void Report::add(Row row) {
+  fmt::print(table_, "{:<26}{:>4}{:>9} {:<7}| {:>9.4g}{:>9.4g} | {:>9.4g}{:>9.4g} | {:>7.2f}{:>7.2f} | {} ({})\n",
+             row.measure, row.threads, row.items, row.item, micro_per_item(row.ours.processor, row),
+             micro_per_item(row.ours.clock, row), micro_per_item(row.peer.processor, row),
+             micro_per_item(row.peer.clock, row), row.ratio.processor, row.ratio.clock, row.peer_setting, row.rounds);
+  std::fflush(table_);
+  rows_.push_back(std::move(row));
+}
+
+void Report::add(Work w) {
+  const std::string volumes = w.volumes < 0 ? "?" : fmt::format("{:.1f}", w.volumes);
+  fmt::print(
+      table_,
+      "  a query, {:<28} volumes {:>7}  faces {:>7.1f}  culled {:>7.1f}  traversals {:>7.2f}  elements {:>8.1f}\n",
+      w.who, volumes, w.faces, w.culled, w.traversals, w.elements);
+  works_.push_back(std::move(w));
+}
+
+void Report::add(Agreement a) {
+  fmt::print(table_,
+             "  {:<37} compared {}, different {}, of these beyond single precision {}, one-sided {}, worst {:.2g}\n",
+             a.what, a.compared, a.different, a.beyond_rounding, a.missing, a.worst);
+  std::fflush(table_);
+  agreements_.push_back(std::move(a));
+}
+
+void Report::write_json(const std::filesystem::path& path) const {
+  nlohmann::json json = {{"schema", 1}, {"benchmark", "boundary-path"}};
+  for (const Row& r : rows_)
+    json["rows"].push_back({{"mesh", r.mesh},
+                            {"measure", r.measure},
+                            {"threads", r.threads},
+                            {"items", r.items},
+                            {"item", r.item},
+                            {"seconds_ours", to_json(r.ours)},
+                            {"seconds_peer", to_json(r.peer)},
+                            {"ratio", to_json(r.ratio)},
+                            {"peer_setting", r.peer_setting},
+                            {"rounds", r.rounds}});
+  for (const Work& w : works_)
+    json["work"].push_back({{"mesh", w.mesh},
+                            {"who", w.who},
+                            {"queries", w.queries},
+                            {"volumes", w.volumes < 0 ? nlohmann::json() : nlohmann::json(w.volumes)},
+                            {"faces", w.faces},
+                            {"culled", w.culled},
+                            {"traversals", w.traversals},
+                            {"elements", w.elements}});
+  for (const Agreement& a : agreements_)
+    json["agreement"].push_back({{"mesh", a.mesh},
+                                 {"what", a.what},
+                                 {"compared", a.compared},
+                                 {"different", a.different},
+                                 {"beyond_rounding", a.beyond_rounding},
+                                 {"one_sided", a.missing},
+                                 {"worst", a.worst}});
+  if (path == "-") {
+    std::cout << json.dump(1) << '\n';
+    return;
+  }
+  std::ofstream file(path);
+  file << json.dump(1) << '\n';
+  if (!file.flush()) throw Error(path.string(), "cannot be written", "give a folder that exists");
+}
+
+}  // namespace selvage::bench

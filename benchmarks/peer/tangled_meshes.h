@@ -1,0 +1,23 @@
+#pragma once
+
+#include "selvage/mesh/mesh_file.h"
+
+#include <functional>
+
+namespace selvage::bench {
+
+/// A mesh that runs into itself without inverting, by formula.
+struct TangledShape {
+  std::string_view name;
+  std::function<MeshFile(double cell)> make;  ///< at rest
+  std::function<void(MeshFile&)> tangle;
+  double coarsest_cell;  ///< the largest that the shape takes
+};
+
+/// octopus, squishy-ball, rod, beam: as in the figures of SPB.
+std::span<const TangledShape> tangled_shapes();
+
+/// The shape with about `elements` tetrahedra, or the fewest that it can be made of; tangled.
+MeshFile make_tangled(const TangledShape& shape, std::int64_t elements);
+
+}  // namespace selvage::bench
