@@ -2,8 +2,6 @@
 
 #include "selvage/core/parallel.h"
 
-#include <tbb/parallel_reduce.h>
-
 #include <algorithm>
 #include <limits>
 
@@ -59,16 +57,9 @@ Result reduce_range(Index begin, Index end, AddPiece&& add_piece) {
     add_piece(begin, end, result);
     return result;
   }
-  return tbb::parallel_reduce(
-      tbb::blocked_range<Index>(begin, end, kChunk), Result(),
-      [&](const tbb::blocked_range<Index>& piece, Result result) {
-        add_piece(piece.begin(), piece.end(), result);
-        return result;
-      },
-      [](Result left, const Result& right) {
-        left.add(right);
-        return left;
-      });
+  return parallel_reduce<Result>(end - begin, kChunk, [&](std::int64_t first, std::int64_t last, Result& result) {
+    add_piece(static_cast<Index>(begin + first), static_cast<Index>(begin + last), result);
+  });
 }
 
 int bin_of(float centre, float origin, float scale) {

@@ -48,6 +48,26 @@ TEST(Parallel, ExceptionsReachTheCaller) {
   EXPECT_THROW(loop(), std::runtime_error);
 }
 
+struct Extent {
+  std::int64_t lowest = 1 << 20, highest = -1, count = 0;
+  void add(const Extent& other) {
+    lowest = std::min(lowest, other.lowest);
+    highest = std::max(highest, other.highest);
+    count += other.count;
+  }
+};
+
+TEST(Parallel, ReduceSeesEveryItemOnce) {
+  for (const std::int64_t count : {0, 1, 77, 54321}) {
+    const auto extent = parallel_reduce<Extent>(count, 100, [](std::int64_t first, std::int64_t last, Extent& result) {
+      result.add({first, last - 1, last - first});
+    });
+    EXPECT_EQ(extent.count, count);
+    EXPECT_EQ(extent.lowest, count == 0 ? 1 << 20 : 0);
+    EXPECT_EQ(extent.highest, count - 1);
+  }
+}
+
 TEST(Parallel, InvokeCallsBoth) {
   int a = 0, b = 0;
   parallel_invoke([&] { a = 1; }, [&] { b = 2; });

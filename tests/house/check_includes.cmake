@@ -1,10 +1,11 @@
 # cmake -DROOT=<repository> -P check_includes.cmake: fails on an include that points up the floors, on a public header
-# that includes a private one, and on intrinsics outside the one header that holds them.
+# that includes a private one, and on intrinsics or oneTBB outside the one header that holds them.
 
 # The floors from the lowest to the highest. A folder may include itself and what stands before it; floors joined by
 # a slash stand side by side and include one another never.
 set(floors core geometry mesh bvh boundary_path/self_collision contact simulation picture cli/python/viewer)
 set(simd_header include/selvage/core/simd.h)
+set(parallel_header include/selvage/core/parallel.h)
 
 set(violations "")
 set(level 0)
@@ -54,6 +55,8 @@ foreach(file IN LISTS files)
       check_include(${file} ${floor} ${CMAKE_MATCH_1})
     elseif(line MATCHES "<([a-z0-9]*intrin\\.h)>" AND NOT file STREQUAL simd_header)
       list(APPEND violations "${file}: <${CMAKE_MATCH_1}>: intrinsics live in ${simd_header} alone")
+    elseif(line MATCHES "<(tbb/parallel_[a-z_]+\\.h)>" AND NOT file STREQUAL parallel_header)
+      list(APPEND violations "${file}: <${CMAKE_MATCH_1}>: parallel loops go through ${parallel_header}")
     endif()
   endforeach()
 endforeach()

@@ -26,4 +26,6 @@ expect(FAILS include/selvage/attic/a.h [[#include <vector>]] "attic is no floor"
 expect(FAILS src/bvh/a.cpp [[#include "attic/a.h"]] "attic is no floor")
 expect(FAILS src/bvh/a_kernel.cpp [[#include <immintrin.h>]] "intrinsics live in")
 expect(FAILS src/bvh/a_kernel.cpp [[#include <emmintrin.h>]] "intrinsics live in")
+expect(PASSES src/cli/a.cpp [[#include <tbb/global_control.h>]])
+expect(FAILS src/bvh/a.cpp [[#include <tbb/parallel_for.h>]] "parallel loops go through")
 file(REMOVE_RECURSE ${SCRATCH})

@@ -3,6 +3,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
+#include <tbb/parallel_reduce.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <cstdint>
 #include <functional>
 #include <future>
+#include <mutex>
 
 namespace selvage {
 
@@ -64,6 +66,35 @@ void parallel_for(std::int64_t count, std::int64_t grain, Body&& body) {
   parallel_ranges(count, grain, [&](std::int64_t first, std::int64_t last) {
     for (std::int64_t i = first; i < last; ++i) body(i);
   });
+}
+
+/// Sum of `add_piece(first, last, result)` over pieces of [0, count), each into a fresh `Result()` that is then taken
+/// in by `result.add(other)`. The pieces are unspecified, so that `add` must not depend on them: minima and counts,
+/// never sums of floating-point numbers.
+template <typename Result, typename AddPiece>
+Result parallel_reduce(std::int64_t count, std::int64_t grain, AddPiece&& add_piece) {
+  if constexpr (detail::kPlainThreads) {
+    Result total;
+    std::mutex adding;
+    parallel_ranges(count, grain, [&](std::int64_t first, std::int64_t last) {
+      Result result;
+      add_piece(first, last, result);
+      const std::lock_guard guard(adding);
+      total.add(result);
+    });
+    return total;
+  } else {
+    return tbb::parallel_reduce(
+        tbb::blocked_range<std::int64_t>(0, count, grain), Result(),
+        [&](const tbb::blocked_range<std::int64_t>& range, Result result) {
+          add_piece(range.begin(), range.end(), result);
+          return result;
+        },
+        [](Result left, const Result& right) {
+          left.add(right);
+          return left;
+        });
+  }
 }
 
 /// Calls both, in parallel.
