@@ -4,15 +4,30 @@
 
 namespace selvage {
 
+namespace {
+
+/// Equal points are the commonest flat simplices (a ray through a vertex, a point at a vertex) and the cheapest to see.
+template <class Points>
+bool has_equal_points(const Points& points) {
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::size_t j = i + 1; j < points.size(); ++j)
+      if (points[i] == points[j]) return true;
+  return false;
+}
+
+}  // namespace
+
 namespace detail {
 
 int orient2d_exact(const Vec2& a, const Vec2& b, const Vec2& c) {
   const std::array<Vec2, 3> points{a, b, c};
+  if (has_equal_points(points)) return 0;
   return expansions_are_exact<2, 3>(points) ? orient2d_by_expansions(points) : orient2d_by_integers(points);
 }
 
 int orient3d_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const std::array<Vec3, 4> points{a, b, c, d};
+  if (has_equal_points(points)) return 0;
   return expansions_are_exact<3, 4>(points) ? orient3d_by_expansions(points) : orient3d_by_integers(points);
 }
 
