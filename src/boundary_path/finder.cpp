@@ -45,22 +45,22 @@ struct BoundaryPathFinder<D>::State {
 
   void update(std::span<const Vec<D>> positions) {
     pose.set(positions);
-    faces.refit(face_boxes());
-    elements.refit(element_boxes());
-    if (faces.quality_loss() > Bvh::kRebuildAbove) faces = Bvh(face_boxes());
+    faces.refit(pose.face_boxes());
+    elements.refit(pose.element_boxes());
+    if (faces.quality_loss() > Bvh::kRebuildAbove) faces = Bvh(pose.face_boxes());
     fit_cones(faces, mesh, pose.normal_cones(), cones);
     if (elements.quality_loss() > Bvh::kRebuildAbove) build_elements();
   }
 
   void rebuild(std::span<const Vec<D>> positions) {
     pose.set(positions);
-    faces = Bvh(face_boxes());
+    faces = Bvh(pose.face_boxes());
     fit_cones(faces, mesh, pose.normal_cones(), cones);
     build_elements();
   }
 
   void build_elements() {
-    elements = Bvh(element_boxes());
+    elements = Bvh(pose.element_boxes());
     const std::vector<Index> order = elements.leaf_order();
     element_rank.resize(order.size());
     for (std::size_t i = 0; i < order.size(); ++i) element_rank[order[i]] = static_cast<Index>(i);
@@ -68,18 +68,6 @@ struct BoundaryPathFinder<D>::State {
     const auto rank = [&](Index v) { return element_rank[mesh.vertex_elements(v).front()]; };
     std::sort(vertex_order.begin(), vertex_order.end(),
               [&](Index a, Index b) { return std::pair(rank(a), a) < std::pair(rank(b), b); });
-  }
-
-  std::vector<Box> face_boxes() const {
-    std::vector<Box> boxes(mesh.boundary_face_count());
-    parallel_for(std::ssize(boxes), 4096, [&](std::int64_t b) { boxes[b] = pose.box_of(mesh.boundary_faces()[b]); });
-    return boxes;
-  }
-
-  std::vector<Box> element_boxes() const {
-    std::vector<Box> boxes(mesh.element_count());
-    parallel_for(std::ssize(boxes), 4096, [&](std::int64_t e) { boxes[e] = pose.box_of(mesh.elements()[e]); });
-    return boxes;
   }
 
   PathScene<D> scene() const {
@@ -117,7 +105,6 @@ struct BoundaryPathFinder<D>::State {
   void check(std::span<const PathQuery<D>> queries, std::span<const Index> warm_start, std::size_t counters) const;
   BoundaryPath<D> describe(const PathTask<D>& task, const PathResult<D>& result) const;
   Vec<D> normal_at(Index face, const PathResult<D>& result) const;
-  Vec<D> area_normal(Index face) const;
   bool is_skipped(Index element) const;
   std::vector<PointInElement> find_containing(std::span<const Vec<D>> points, std::span<const Index> ids,
                                               bool skip_own) const;
@@ -148,34 +135,19 @@ void BoundaryPathFinder<D>::State::check(std::span<const PathQuery<D>> queries, 
   }
 }
 
-/// Outward normal of a boundary face, as long as its area (times two in space).
-template <>
-Vec3 BoundaryPathFinder<3>::State::area_normal(Index face) const {
-  const auto& f = mesh.boundary_faces()[face];
-  const auto x = pose.positions();
-  return (x[f[1]] - x[f[0]]).cross(x[f[2]] - x[f[0]]);
-}
-
-template <>
-Vec2 BoundaryPathFinder<2>::State::area_normal(Index face) const {
-  const auto& f = mesh.boundary_faces()[face];
-  const Vec2 along = pose.positions()[f[1]] - pose.positions()[f[0]];
-  return {along[1], -along[0]};
-}
-
 template <int D>
 Vec<D> BoundaryPathFinder<D>::State::normal_at(Index face, const PathResult<D>& result) const {
   Vec<D> normal = Vec<D>::Zero();
   if (result.target_count == D) {
-    normal = area_normal(face);
+    normal = pose.measured_normal(face);
   } else if (result.target_count == 1) {
-    for (Index other : mesh.vertex_boundary_faces(result.target_vertices[0])) normal += area_normal(other);
+    for (Index other : mesh.vertex_boundary_faces(result.target_vertices[0])) normal += pose.measured_normal(other);
   } else {
     const auto& ids = mesh.boundary_faces()[face];
     for (int k = 0; k < D; ++k)
       if (std::find(result.target_vertices.begin(), result.target_vertices.end(), ids[k]) ==
           result.target_vertices.end())
-        normal = area_normal(face) + area_normal(mesh.boundary_neighbours()[face][k]);
+        normal = pose.measured_normal(face) + pose.measured_normal(mesh.boundary_neighbours()[face][k]);
   }
   const double length = normal.stableNorm();
   return length > 0 ? Vec<D>(normal / length) : normal;

@@ -80,6 +80,20 @@ void Pose<D>::set(std::span<const Vec<D>> positions) {
   if (std::ssize(positions) != mesh_.vertex_count())
     throw Error("positions", fmt::format("{} positions for {} vertices", positions.size(), mesh_.vertex_count()),
                 "give one position per vertex");
+  place(positions);
+  defects_ = {};
+  component_states_.assign(topology_.component_count, ComponentState::kImmersed);
+  examine_elements();
+  examine_faces();
+  find_overwound_interior_ridges();
+  list_defects();
+  prove_boundary_vertices();
+  find_overwound_boundary_ridges();
+}
+
+/// Scales the positions by a power of two and lays the frame.
+template <int D>
+void Pose<D>::place(std::span<const Vec<D>> positions) {
   Vec<D> lower = Vec<D>::Constant(HUGE_VAL), upper = -lower;
   for (std::size_t v = 0; v < positions.size(); ++v) {
     if (!positions[v].allFinite())
@@ -99,15 +113,7 @@ void Pose<D>::set(std::span<const Vec<D>> positions) {
     rounded_[v] = {};
     for (int i = 0; i < D; ++i) rounded_[v][i] = static_cast<float>(positions_[v][i] - frame_.origin[i]);
   });
-  rounding_ = static_cast<float>(0x1p-24 * ((upper - lower) * half * rest).maxCoeff()) + 0x1p-149f;
-
-  defects_ = {};
-  component_states_.assign(topology_.component_count, ComponentState::kImmersed);
-  find_inverted_elements();
-  find_overwound_interior_ridges();
-  list_defects();
-  prove_boundary_vertices();
-  find_overwound_boundary_ridges();
+  rounding_ = static_cast<float>(0x1p-24 * (upper * half * rest - lower * half * rest).maxCoeff()) + 0x1p-149f;
 }
 
 template <int D>
@@ -117,12 +123,26 @@ int Pose<D>::orientation_of(Index element) const {
   return orientation(corners);
 }
 
+/// One pass for boxes and orientations: both read the same positions. Each product in the determinant has one factor
+/// for each coordinate, none larger than the box, so that the box bounds its rounding error.
 template <int D>
-void Pose<D>::find_inverted_elements() {
+void Pose<D>::examine_elements() {
+  element_boxes_.resize(mesh_.element_count());
   inverted_owners_.assign(mesh_.boundary_face_count(), 0);
   std::atomic<std::int64_t> flat{0};
   defects_.inverted_elements = count_if_parallel(mesh_.element_count(), [&](std::int64_t e) {
-    const int sign = orientation_of(static_cast<Index>(e));
+    std::array<Vec<D>, D + 1> corners;
+    for (int i = 0; i <= D; ++i) corners[i] = positions_[mesh_.elements()[e][i]];
+    Vec<D> lower = corners[0], upper = corners[0];
+    Eigen::Matrix<double, D, D> edges;
+    for (int i = 1; i <= D; ++i) {
+      lower = lower.cwiseMin(corners[i]);
+      upper = upper.cwiseMax(corners[i]);
+      edges.col(i - 1) = corners[i] - corners[0];
+    }
+    element_boxes_[e] = frame_.around(lower, upper);
+    if (edges.determinant() > 0x1p-46 * (upper - lower).prod() + 0x1p-900) return false;
+    const int sign = orientation(corners);
     if (sign > 0) return false;
     flat += sign == 0;
     std::atomic_ref(component_states_[topology_.component_of[e]]).store(ComponentState::kInverted);
@@ -131,6 +151,33 @@ void Pose<D>::find_inverted_elements() {
     return sign < 0;
   });
   defects_.degenerate_elements = flat;
+}
+
+/// Boxes and normals of the boundary.
+template <int D>
+void Pose<D>::examine_faces() {
+  const std::size_t count = mesh_.boundary_faces().size();
+  face_boxes_.resize(count);
+  face_normals_.resize(count);
+  face_measures_.resize(count);
+  parallel_for(std::ssize(face_boxes_), kGrain, [&](std::int64_t b) {
+    const auto& f = mesh_.boundary_faces()[b];
+    Vec<D> lower = positions_[f[0]], upper = lower;
+    for (int i = 1; i < D; ++i) {
+      lower = lower.cwiseMin(positions_[f[i]]);
+      upper = upper.cwiseMax(positions_[f[i]]);
+    }
+    face_boxes_[b] = frame_.around(lower, upper);
+    const Vec<D> along = positions_[f[1]] - positions_[f[0]];
+    Vec<D> normal;
+    if constexpr (D == 3)
+      normal = along.cross(positions_[f[2]] - positions_[f[0]]);
+    else
+      normal = Vec2(along[1], -along[0]);
+    const double measure = normal.norm();
+    face_measures_[b] = measure;
+    face_normals_[b] = measure > 0 ? Vec<D>(normal / measure) : Vec<D>::Zero();
+  });
 }
 
 template <int D>
@@ -146,10 +193,45 @@ void Pose<D>::find_overwound_interior_ridges() {
 }
 
 template <int D>
-bool Pose<D>::is_overwound(std::int64_t fan) const {
+std::span<const Index> Pose<D>::link_of(std::int64_t fan) const {
   const auto& fans = topology_.fans;
-  const std::span link(topology_.links.data() + fans[fan].first_link, fans[fan + 1].first_link - fans[fan].first_link);
-  return count_turns<D>(positions_, fans[fan].ridge, link) > 0;
+  return {topology_.links.data() + fans[fan].first_link,
+          static_cast<std::size_t>(fans[fan + 1].first_link - fans[fan].first_link)};
+}
+
+/// With positive elements the link's second vertex is in the first half turn and its last in the second, so that a
+/// single turn means: first some on the one side, then the rest on the other. What plain arithmetic leaves open is
+/// decided exactly.
+template <>
+bool Pose<3>::is_overwound(std::int64_t fan) const {
+  const auto& ridge = topology_.fans[fan].ridge;
+  const std::span<const Index> link = link_of(fan);
+  const Vec3 foot = positions_[ridge[0]], axis = positions_[ridge[1]] - foot, first = positions_[link[0]] - foot;
+  const Vec3 across = axis.cross(first);
+  const double length = across.lpNorm<1>();
+  bool sure = length > 1e-3 * axis.lpNorm<1>() * first.lpNorm<1>(), back = false;
+  for (std::size_t i = 2; sure && i + 1 < link.size(); ++i) {
+    const Vec3 arm = positions_[link[i]] - foot;
+    const double height = across.dot(arm);
+    sure = std::abs(height) > 1e-12 * length * arm.lpNorm<1>() + 0x1p-900 && !(back && height > 0);
+    back = height < 0;
+  }
+  return !sure && count_turns<3>(positions_, ridge, link) > 0;
+}
+
+template <>
+bool Pose<2>::is_overwound(std::int64_t fan) const {
+  return count_turns<2>(positions_, topology_.fans[fan].ridge, link_of(fan)) > 0;
+}
+
+template <int D>
+Box Pose<D>::box_of(const VertexTuple<D - 1>& ridge) const {
+  Vec<D> lower = positions_[ridge[0]], upper = lower;
+  for (Index v : ridge) {
+    lower = lower.cwiseMin(positions_[v]);
+    upper = upper.cwiseMax(positions_[v]);
+  }
+  return frame_.around(lower, upper);
 }
 
 /// A second look at what the counts say is there: rare enough to be done in order.
@@ -159,7 +241,7 @@ void Pose<D>::list_defects() {
   if (defects_.inverted_elements + defects_.degenerate_elements > 0)
     for (Index e = 0; e < mesh_.element_count(); ++e)
       if (component_states_[topology_.component_of[e]] == ComponentState::kInverted && orientation_of(e) <= 0)
-        defect_places_.push_back({box_of(mesh_.elements()[e]), topology_.component_of[e]});
+        defect_places_.push_back({element_boxes_[e], topology_.component_of[e]});
   const auto& fans = topology_.fans;
   if (defects_.overwound_interior_ridges > 0) {
     for (std::size_t k = 0; k + 1 < fans.size(); ++k) {
@@ -192,22 +274,14 @@ void Pose<D>::prove_boundary_vertices() {
 template <>
 bool Pose<3>::is_boundary_vertex_injective(Index v, NormalCone& cone) const {
   const auto star = mesh_.vertex_boundary_faces(v);
-  std::array<Vec3, 64> normals;
-  if (star.size() > normals.size()) return false;
   Vec3 axis = Vec3::Zero();
-  for (std::size_t i = 0; i < star.size(); ++i) {
-    const auto& f = mesh_.boundary_faces()[star[i]];
-    normals[i] = (positions_[f[1]] - positions_[f[0]]).cross(positions_[f[2]] - positions_[f[0]]);
-    axis += normals[i];
-  }
+  for (Index face : star) axis += face_normals_[face] * face_measures_[face];
   constexpr double kMargin = 1e-9;  // relative; far above rounding
   const double axis_length = axis.norm();
-  double cosine = 1;
-  for (std::size_t i = 0; i < star.size(); ++i) {
-    const double along = normals[i].dot(axis), length = normals[i].norm() * axis_length;
-    if (!(along > kMargin * length)) return false;
-    cosine = std::min(cosine, along / length);
-  }
+  double cosine = axis_length;
+  for (Index face : star) cosine = std::min(cosine, face_normals_[face].dot(axis));
+  cosine /= axis_length;
+  if (!(cosine > kMargin)) return false;
   cone = cone_around(axis / axis_length, cosine);
   // A half plane that no edge is likely to lie in; an edge too close to it leaves the vertex unproven.
   const Vec3 across = axis.cross(Vec3(0.3571, 0.6139, 0.7041));
@@ -229,12 +303,7 @@ template <>
 bool Pose<2>::is_boundary_vertex_injective(Index v, NormalCone& cone) const {
   const auto star = mesh_.vertex_boundary_faces(v);
   if (star.size() != 2) return false;
-  std::array<Vec2, 2> normals;
-  for (int i = 0; i < 2; ++i) {
-    const auto& f = mesh_.boundary_faces()[star[i]];
-    const Vec2 along = positions_[f[1]] - positions_[f[0]];
-    normals[i] = Vec2(along[1], -along[0]).normalized();
-  }
+  const Vec2 normals[2] = {face_normals_[star[0]], face_normals_[star[1]]};
   const Vec2 sum = normals[0] + normals[1];
   const Vec2 axis = sum.norm() > 0.1 ? Vec2(sum.normalized()) : normals[0];
   cone = cone_around(Vec3(axis[0], axis[1], 0), std::min(normals[0].dot(axis), normals[1].dot(axis)));

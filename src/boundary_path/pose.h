@@ -30,16 +30,9 @@ class Pose {
   std::span<const Defect> defect_places() const { return defect_places_; }
   const Bvh& defect_hierarchy() const { return defect_hierarchy_; }
 
-  /// Box of some vertices in the frame.
-  template <std::size_t N>
-  Box box_of(const VertexTuple<N>& vertices) const {
-    Vec<D> lower = positions_[vertices[0]], upper = lower;
-    for (std::size_t i = 1; i < N; ++i) {
-      lower = lower.cwiseMin(positions_[vertices[i]]);
-      upper = upper.cwiseMax(positions_[vertices[i]]);
-    }
-    return frame_.around(lower, upper);
-  }
+  /// Boxes of all elements and of all boundary faces in the frame.
+  std::span<const Box> element_boxes() const { return element_boxes_; }
+  std::span<const Box> face_boxes() const { return face_boxes_; }
 
   /// Per vertex: 1 when its boundary faces are proven to be locally injective, so that candidates there may be culled.
   std::span<const std::uint8_t> cullable() const { return cullable_; }
@@ -52,12 +45,19 @@ class Pose {
 
   int orientation_of(Index element) const;
 
+  /// Unit outward normal of a boundary face times its length, or twice its area in space.
+  Vec<D> measured_normal(Index face) const { return face_normals_[face] * face_measures_[face]; }
+
  private:
-  void find_inverted_elements();
+  void place(std::span<const Vec<D>> positions);
+  void examine_elements();
+  void examine_faces();
   void find_overwound_interior_ridges();
   void find_overwound_boundary_ridges();
   void list_defects();
+  std::span<const Index> link_of(std::int64_t fan) const;
   bool is_overwound(std::int64_t fan) const;
+  Box box_of(const VertexTuple<D - 1>& ridge) const;
   void prove_boundary_vertices();
   bool is_boundary_vertex_injective(Index v, NormalCone& cone) const;
 
@@ -68,6 +68,9 @@ class Pose {
   float rounding_ = 0;
   int exponent_ = 0;
   BoxFrame<D> frame_;
+  std::vector<Box> element_boxes_, face_boxes_;
+  std::vector<Vec<D>> face_normals_;   ///< unit, outward; zero on a flat face
+  std::vector<double> face_measures_;  ///< length of the normal before: twice the area, or the length in the plane
   PoseDefects defects_;
   std::vector<ComponentState> component_states_;
   std::vector<Defect> defect_places_;
@@ -77,6 +80,10 @@ class Pose {
   std::vector<std::uint8_t> inverted_owners_;
 };
 
+template <>
+bool Pose<2>::is_overwound(std::int64_t fan) const;
+template <>
+bool Pose<3>::is_overwound(std::int64_t fan) const;
 template <>
 bool Pose<2>::is_boundary_vertex_injective(Index v, NormalCone& cone) const;
 template <>
