@@ -54,7 +54,7 @@ void BccLattice::add_blocks(const ImplicitSolid& solid, const BlockRange& range,
   for (int axis = 0; axis < 3; ++axis) size[axis] = range.high[axis] - range.low[axis];
   int longest = 0;
   if (size.maxCoeff(&longest) == 1) {
-    check_element_count((block_count() + 1.0) * kBlockVertices / 4);
+    check_element_count((block_count() + 2.0) * kBlockVertices / 4);
     block_table_[table_place(range.low)] = block_count();
     blocks_.push_back({{range.low[0] * kSide, range.low[1] * kSide, range.low[2] * kSide},
                        static_cast<Index>(nearby.size()),
