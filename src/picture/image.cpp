@@ -1,0 +1,29 @@
+#include "picture/image.h"
+
+#include "selvage/core/error.h"
+
+#include <png.h>
+
+namespace selvage {
+
+void write_png(const std::filesystem::path& path, const Image& image) {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(static_cast<std::size_t>(image.width()) * image.height() * 3);
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      const auto rgb = to_srgb(image.at(x, y));
+      bytes.insert(bytes.end(), rgb.begin(), rgb.end());
+    }
+  }
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  png.width = static_cast<png_uint_32>(image.width());
+  png.height = static_cast<png_uint_32>(image.height());
+  png.format = PNG_FORMAT_RGB;
+  const int written = png_image_write_to_file(&png, path.c_str(), 0, bytes.data(), 0, nullptr);
+  const std::string reason = png.message;
+  png_image_free(&png);
+  if (!written) throw Error(path.string(), "cannot write the picture (" + reason + ")");
+}
+
+}  // namespace selvage
