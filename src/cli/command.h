@@ -1,0 +1,45 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <functional>
+#include <stdexcept>
+#include <string>
+
+namespace selvage::cli {
+
+/// Exit statuses of the program; 1 is kept for `check`: done, and collisions were found.
+enum ExitStatus : int { kDone = 0, kBadInput = 2, kFailed = 3 };
+
+/// Raised where the computation fails for no fault of the input: a full disk, say.
+struct Failure : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// What every subcommand takes.
+struct CommonOptions {
+  int threads = 0;  ///< 0: all cores
+  bool quiet = false;
+  std::string json;  ///< file of the machine-readable result; "-": standard output; empty: none
+};
+
+/// A subcommand that has been declared; `run` is called after the arguments were read.
+struct Command {
+  CLI::App* app;
+  CommonOptions* common;
+  std::function<void()> run;
+};
+
+/// Declares a subcommand with the options that all have in common.
+///
+/// @param common   must outlive the parsing
+/// @param example  command lines shown at the end of the help
+CLI::App* add_subcommand(CLI::App& app, const std::string& name, const std::string& description,
+                         const std::string& example, CommonOptions& common);
+
+Command add_info(CLI::App& app);
+Command add_make(CLI::App& app);
+Command add_paths(CLI::App& app);
+Command add_bench(CLI::App& app);
+
+}  // namespace selvage::cli

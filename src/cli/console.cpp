@@ -1,0 +1,65 @@
+#include "cli/console.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace selvage::cli {
+
+void Stopwatch::lap(std::string phase) {
+  const auto now = Clock::now();
+  laps_.emplace_back(std::move(phase), std::chrono::duration<double>(now - last_).count());
+  last_ = now;
+}
+
+double Stopwatch::total() const {
+  return std::chrono::duration<double>(last_ - start_).count();
+}
+
+ProgressBar::ProgressBar(std::string_view task, bool quiet) : task_(task), visible_(!quiet && isatty(STDERR_FILENO)) {}
+
+ProgressBar::~ProgressBar() {
+  if (drawn_) fmt::print(stderr, "\r\033[K");
+}
+
+void ProgressBar::show(double fraction) {
+  constexpr int kWidth = 30;
+  const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  if (!visible_ || elapsed < 0.5) return;
+  const int filled = static_cast<int>(std::clamp(fraction, 0.0, 1.0) * kWidth);
+  fmt::print(stderr, "\r{} [{:=<{}}{:{}}] {:3.0f}%", task_, "", filled, "", kWidth - filled, 100 * fraction);
+  std::fflush(stderr);
+  drawn_ = true;
+}
+
+std::string grouped(std::int64_t count) {
+  const std::string digits = fmt::format("{}", count);
+  std::string result;
+  for (std::size_t i = 0; i < digits.size(); ++i) {
+    const bool starts_group = i > 0 && (digits.size() - i) % 3 == 0 && digits[i - 1] != '-';
+    if (starts_group) result += ',';
+    result += digits[i];
+  }
+  return result;
+}
+
+std::string readable_seconds(double seconds) {
+  if (seconds >= 1) return fmt::format("{:.2f} s", seconds);
+  if (seconds >= 1e-3) return fmt::format("{:.1f} ms", 1e3 * seconds);
+  return fmt::format("{:.1f} us", 1e6 * seconds);
+}
+
+void Table::add(std::string_view name, std::string_view value) {
+  rows_.emplace_back(name, value);
+}
+
+void Table::print() const {
+  std::size_t width = 0;
+  for (const auto& [name, value] : rows_) width = std::max(width, name.size());
+  for (const auto& [name, value] : rows_) fmt::print("{:<{}}  {}\n", name, width, value);
+}
+
+}  // namespace selvage::cli

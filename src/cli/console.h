@@ -1,0 +1,60 @@
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace selvage::cli {
+
+/// Seconds of each phase of a command, in order.
+class Stopwatch {
+ public:
+  /// Ends a phase that began when the last one ended, or when the watch was made.
+  void lap(std::string phase);
+  double total() const;
+  const std::vector<std::pair<std::string, double>>& laps() const { return laps_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now(), last_ = start_;
+  std::vector<std::pair<std::string, double>> laps_;
+};
+
+/// A bar on standard error that shows how far long work has come. Silent unless standard error is a terminal, and for
+/// the first half second.
+class ProgressBar {
+ public:
+  ProgressBar(std::string_view task, bool quiet);
+  ~ProgressBar();
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
+
+  /// Whether anybody can see it.
+  bool visible() const { return visible_; }
+  void show(double fraction);
+
+ private:
+  std::string task_;
+  bool visible_, drawn_ = false;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// A count with its digits in groups of three: 12,345.
+std::string grouped(std::int64_t count);
+
+/// A time in the unit that reads best: 1.23 s, 45.6 ms.
+std::string readable_seconds(double seconds);
+
+/// Lines of a name and a value, the values one below the other.
+class Table {
+ public:
+  void add(std::string_view name, std::string_view value);
+  void print() const;
+
+ private:
+  std::vector<std::pair<std::string, std::string>> rows_;
+};
+
+}  // namespace selvage::cli

@@ -1,0 +1,81 @@
+#include "cli/command.h"
+#include "selvage/core/error.h"
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <new>
+
+namespace selvage::cli {
+
+namespace {
+
+/// Reports an error in one line, whatever the message holds.
+int report(std::string message, int status) {
+  while (!message.empty() && message.back() == '\n') message.pop_back();
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  fmt::print(stderr, "selvage: {}\n", message);
+  return status;
+}
+
+int run_command(const Command& command) {
+  try {
+    const int threads = command.common->threads;
+    const int all = static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads > 0 ? threads : all);
+    command.run();
+    if (std::fflush(stdout) != 0) return report("cannot write to standard output", kFailed);
+    return kDone;
+  } catch (const Failure& error) {
+    return report(error.what(), kFailed);
+  } catch (const Error& error) {
+    return report(error.what(), kBadInput);
+  } catch (const std::bad_alloc&) {
+    return report("the memory does not suffice", kFailed);
+  } catch (const std::exception& error) {
+    return report(error.what(), kFailed);
+  }
+}
+
+}  // namespace
+
+CLI::App* add_subcommand(CLI::App& app, const std::string& name, const std::string& description,
+                         const std::string& example, CommonOptions& common) {
+  CLI::App* sub = app.add_subcommand(name, description);
+  sub->footer("Example:\n" + example);
+  sub->add_option("--threads", common.threads, "Number of threads; without it, all cores")
+      ->check(CLI::Range(1, 4096))
+      ->type_name("N");
+  sub->add_flag("-q,--quiet", common.quiet, "Print nothing but errors");
+  sub->add_option("--json", common.json, "Write the result as JSON; - is standard output")->type_name("FILE");
+  return sub;
+}
+
+int run_program(int argc, char** argv) {
+  CLI::App app("selvage finds the self-collisions of deformable meshes, exactly and fast.", "selvage");
+  app.set_version_flag("--version", "selvage " SELVAGE_VERSION);
+  app.require_subcommand(1);
+  app.footer(
+      "`selvage COMMAND --help` explains a command and shows an example.\n"
+      "Exit status: 0 done, 2 bad usage or bad input, 3 the computation failed.");
+  const std::array commands{add_info(app), add_make(app), add_paths(app), add_bench(app)};
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    const auto parsed = app.get_subcommands();
+    const std::string help = parsed.empty() ? "selvage --help" : "selvage " + parsed[0]->get_name() + " --help";
+    return report(fmt::format("{}; see `{}`", error.what(), help), kBadInput);
+  }
+  const auto chosen = std::find_if(commands.begin(), commands.end(), [](const Command& c) { return c.app->parsed(); });
+  return run_command(*chosen);
+}
+
+}  // namespace selvage::cli
+
+int main(int argc, char** argv) {
+  return selvage::cli::run_program(argc, argv);
+}

@@ -1,0 +1,121 @@
+#include "cli/command.h"
+#include "cli/console.h"
+#include "cli/output.h"
+#include "cli/pose_argument.h"
+#include "selvage/core/error.h"
+#include "selvage/mesh/mesh_file.h"
+#include "selvage/mesh/shapes.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include <memory>
+
+namespace selvage::cli {
+
+namespace {
+
+struct MakeOptions {
+  CommonOptions common;
+  std::string shape, curve, output;
+  std::vector<double> size;
+  ShapeOptions measures;
+  std::vector<std::string> poses;
+  bool ascii = false;
+};
+
+constexpr const char* kExample =
+    "  selvage make octopus --elements 30000 --pose swirl -o octopus.vtu\n"
+    "  selvage make rod --length 8 --radius 0.2 --pose self-crossing,crossings=3 -o noodle.t";
+
+/// The name under which the library knows the shape: a bent rod has the name of its curve.
+std::string shape_name(const MakeOptions& options) {
+  if (options.curve.empty()) return options.shape;
+  if (options.shape != "rod") throw Error("--curve", "only a rod has a curve", "leave it out");
+  if (options.curve == "straight") return "rod";
+  return options.curve == "coil" ? "noodle" : options.curve;
+}
+
+void set_size(MakeOptions& options) {
+  if (options.size.empty()) return;
+  Vec3 size = Vec3::Zero();
+  for (std::size_t i = 0; i < options.size.size(); ++i) size[static_cast<int>(i)] = options.size[i];
+  options.measures.size = size;
+}
+
+void run_make(MakeOptions& options) {
+  Stopwatch watch;
+  std::vector<PoseArgument> poses;
+  for (const std::string& text : options.poses) poses.push_back(parse_pose(text));
+  OutputFiles outputs;
+  outputs.expect(options.output);
+  outputs.expect(options.common.json);
+  if (options.output == "-") throw Error("-o", "a mesh cannot be written to standard output", "name a file");
+
+  set_size(options);
+  const std::string name = shape_name(options);
+  MeshFile mesh = make_shape(name, options.measures);
+  watch.lap("make");
+  for (const PoseArgument& pose : poses) apply_pose(mesh, pose.name, pose.options);
+  watch.lap("pose");
+
+  nlohmann::ordered_json result{{"schema", 1},
+                                {"kind", "make"},
+                                {"shape", name},
+                                {"poses", options.poses},
+                                {"mesh", options.output},
+                                {"vertices", mesh.positions.size()},
+                                {"tetrahedra", mesh.tetrahedra.size()},
+                                {"triangles", mesh.triangles.size()}};
+  write_mesh(options.output, mesh, options.ascii ? FileEncoding::kAscii : FileEncoding::kBinary);
+  watch.lap("write");
+  for (const auto& [phase, seconds] : watch.laps()) result["seconds"][phase] = seconds;
+  outputs.write_text(options.common.json, result.dump(1) + "\n");
+  outputs.commit();
+  if (options.common.quiet || outputs.uses_standard_output()) return;
+  const bool solid = !mesh.tetrahedra.empty();
+  fmt::print("{}: {} vertices, {} {} in {}\n", options.output,
+             grouped(static_cast<std::int64_t>(mesh.positions.size())),
+             grouped(static_cast<std::int64_t>(solid ? mesh.tetrahedra.size() : mesh.triangles.size())),
+             solid ? "tetrahedra" : "triangles", readable_seconds(watch.total()));
+}
+
+void add_measures(CLI::App& app, MakeOptions& options) {
+  ShapeOptions& m = options.measures;
+  app.add_option("--size", options.size, "Box, beam: three lengths; cloth: two [m]")->expected(2, 3);
+  app.add_option("--length", m.length, "Rods, tube [m]");
+  app.add_option("--radius", m.radius, "Rods, ball, tube (outer), torus (major), octopus (reach) [m]");
+  app.add_option("--inner-radius", m.inner_radius, "Tube (inner), torus (minor) [m]");
+  app.add_option("--tentacles", m.tentacles, "Squishy ball: how many");
+  app.add_option("--curve", options.curve, "Rod: the curve it follows")
+      ->check(CLI::IsMember({"straight", "trefoil", "nested-knot", "coil"}));
+  auto* cell = app.add_option("--cell", m.cell, "Edge length of an element, about [m]");
+  app.add_option("--elements", m.elements, "Number of elements, about")->excludes(cell);
+  app.add_option("--seed", m.seed, "Octopus, squishy ball: another number, another shape");
+}
+
+}  // namespace
+
+Command add_make(CLI::App& app) {
+  auto options = std::make_shared<MakeOptions>();
+  CLI::App* sub = add_subcommand(app, "make", "Makes a mesh by formula, and tangles it.", kExample, options->common);
+  sub->add_option("shape", options->shape, fmt::format("One of {}", fmt::join(shape_names(), ", ")))
+      ->required()
+      ->type_name("SHAPE");
+  sub->add_option("-o,--output", options->output, "Mesh file to write; its extension tells the format")
+      ->required()
+      ->type_name("MESH");
+  add_measures(*sub, *options);
+  sub->add_option("--pose", options->poses,
+                  fmt::format("NAME[,KEY=VALUE]..., one of {}, with axis=x|y|z, turns=, angle= [rad], crossings=, "
+                              "core=, dx= dy= dz= [m] where the pose has it; several are applied in turn",
+                              fmt::join(pose_names(), ", ")))
+      ->take_all()
+      ->expected(1)
+      ->type_name("POSE");
+  sub->add_flag("--ascii", options->ascii, "Write text where the format has text and binary");
+  return {sub, &options->common, [options] { run_make(*options); }};
+}
+
+}  // namespace selvage::cli

@@ -1,0 +1,91 @@
+#include "cli/output.h"
+
+#include "selvage/core/error.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+
+namespace selvage::cli {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+fs::path normal_path(const fs::path& path) {
+  std::error_code error;
+  const fs::path normal = fs::weakly_canonical(path, error);
+  return error ? path : normal;
+}
+
+/// Writes all of the text and makes sure that it has arrived.
+void write_all(std::FILE* file, std::string_view text, const std::string& name) {
+  const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size() && std::fflush(file) == 0;
+  if (!written) throw Failure(fmt::format("{}: cannot write ({})", name, std::strerror(errno)));
+}
+
+}  // namespace
+
+OutputFiles::~OutputFiles() {
+  std::error_code ignored;
+  for (const Staged& file : staged_) fs::remove(file.temporary, ignored);
+}
+
+void OutputFiles::expect(const std::string& path, const std::vector<std::string>& inputs) {
+  if (path.empty()) return;
+  if (path == "-") {
+    if (standard_output_) throw Error("-", "two outputs cannot both go to standard output");
+    standard_output_ = true;
+    return;
+  }
+  const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
+  if (!fs::is_directory(folder)) throw Error(path, "the folder of this output does not exist", "make it first");
+  if (fs::is_directory(path)) throw Error(path, "is a folder", "name a file");
+  if (access(folder.c_str(), W_OK) != 0) throw Error(path, "the folder of this output cannot be written to");
+  const fs::path place = normal_path(path);
+  for (const std::string& input : inputs) {
+    if (normal_path(input) == place) throw Error(path, "would replace an input file", "choose another name");
+  }
+  if (std::find(expected_.begin(), expected_.end(), place) != expected_.end()) {
+    throw Error(path, "is named for two outputs", "choose two names");
+  }
+  expected_.push_back(place);
+}
+
+fs::path OutputFiles::stage(const std::string& path) {
+  const fs::path place(path);
+  const std::string name =
+      fmt::format(".{}.{}.{}{}", place.stem().string(), getpid(), staged_.size(), place.extension().string());
+  staged_.push_back({place.parent_path() / name, place});
+  return staged_.back().temporary;
+}
+
+void OutputFiles::write_text(const std::string& path, std::string_view text) {
+  if (path.empty()) return;
+  if (path == "-") return write_all(stdout, text, "standard output");
+  const fs::path temporary = stage(path);
+  std::FILE* file = std::fopen(temporary.c_str(), "wb");
+  if (file == nullptr) throw Failure(fmt::format("{}: cannot write ({})", path, std::strerror(errno)));
+  try {
+    write_all(file, text, path);
+  } catch (...) {
+    std::fclose(file);
+    throw;
+  }
+  if (std::fclose(file) != 0) throw Failure(fmt::format("{}: cannot write ({})", path, std::strerror(errno)));
+}
+
+void OutputFiles::commit() {
+  while (!staged_.empty()) {
+    std::error_code error;
+    fs::rename(staged_.back().temporary, staged_.back().place, error);
+    if (error) throw Failure(fmt::format("{}: cannot write ({})", staged_.back().place.string(), error.message()));
+    staged_.pop_back();
+  }
+}
+
+}  // namespace selvage::cli
