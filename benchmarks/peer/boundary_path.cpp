@@ -165,7 +165,8 @@ void Measurement::count_work(std::size_t set) {
     PathCounters sum;
     for (const PathCounters& c : counters) sum += c;
     report_.add(Work{subject_.name(), fmt::format("{}: {}", q.name, who), std::ssize(q.queries), sum.faces_visited / n,
-                     sum.volumes_visited / n, sum.culled / n, sum.traversals / n, sum.elements_visited / n});
+                     sum.volumes_visited / n, sum.culled / n, sum.traversals / n, sum.elements_visited / n,
+                     sum.exact_decisions / n});
   };
   count_ours("ours, cold", {}, {});
   count_ours("ours, warm", {}, q.warm_start);
@@ -185,7 +186,7 @@ void Measurement::compare_paths(std::size_t set) {
   const auto ours = make_finder().find_paths(q.queries);
   const EmbreePeer peer = make_peer(choice_.paths[set]);
   for (bool cull : {true, false}) {
-    Agreement a{subject_.name(), fmt::format("{}: distances, peer {}", q.name, cull ? "culling" : "no culling")};
+    Agreement a{subject_.name(), fmt::format("{}: distances, peer, {}", q.name, cull ? "culling" : "no culling")};
     const auto theirs = peer.find_paths(q.queries, cull);
     for (std::size_t i = 0; i < ours.size(); ++i) {
       const bool found = ours[i].status == PathStatus::kFound;
@@ -195,7 +196,7 @@ void Measurement::compare_paths(std::size_t set) {
       const double difference = std::abs(ours[i].distance - theirs[i].distance);
       a.different += difference > 1e-4 * ours[i].distance;
       a.beyond_rounding += difference > 1e-4 * ours[i].distance + 1e-6 * subject_.extent();
-      if (ours[i].distance > 0) a.worst = std::max(a.worst, difference / ours[i].distance);
+      a.worst = std::max(a.worst, difference / subject_.extent());
     }
     report_.add(std::move(a));
   }

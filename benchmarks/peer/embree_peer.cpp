@@ -10,8 +10,9 @@ namespace selvage::bench {
 
 namespace {
 
-/// Share of |p - s| |a - s| by which a candidate must lie in the infeasible region (epsilon_r of the paper).
-constexpr float kRegionTolerance = 1e-3f;
+/// How far p must lie in the infeasible region of a candidate (epsilon_r of the paper): the sine of an angle, and a
+/// multiple of the rounding of a coordinate.
+constexpr float kRegionAngle = 1e-3f, kRegionRounding = 4;
 
 struct PeerFace {
   std::array<Index, 3> vertices;
@@ -23,9 +24,10 @@ Float3 to_float(const Vec3& x) {
 }
 
 /// Whether p, away from s by `out`, lies clearly on the side of a neighbouring face or edge that leaves s by `along`.
-bool leans_towards(const Float3& out, const Float3& along) {
+bool leans_towards(const Float3& out, const Float3& along, float rounding) {
   const float d = dot(out, along);
-  return d > 0 && d * d > kRegionTolerance * kRegionTolerance * dot(out, out) * dot(along, along);
+  const float least = std::max(kRegionAngle * kRegionAngle * dot(out, out), rounding * rounding);
+  return d > 0 && d * d > least * dot(along, along);
 }
 
 /// Closed tetrahedron of either orientation, seen from the point.
@@ -51,7 +53,7 @@ struct EmbreePeer::State {
   std::vector<Index> ring, ring_first;  ///< boundary vertices joined by a boundary edge to each vertex
   std::vector<std::uint8_t> skipped;    ///< inverted elements on the boundary; filled only where some are inverted
   bool has_inverted = false;
-  float face_tolerance = 0;
+  float face_tolerance = 0, region_rounding = 0;
   EmbreeDevice device;
   EmbreeScene face_scene, tet_scene;
 
@@ -111,12 +113,14 @@ void EmbreePeer::State::take_pose(std::span<const Vec3> x) {
     skipped.assign(tets.size(), 0);
     for (const PeerFace& f : faces) skipped[f.owner >> 2] = is_inverted(tets[f.owner >> 2].vertices);
   }
-  // The rounding of a double area in the ray's frame, with room.
-  float squared_edge = 0;
+  // The rounding of a double area in the ray's frame, with room, and of a coordinate.
+  float squared_edge = 0, largest = 0;
   for (const PeerFace& f : faces) {
-    const Float3 e = positions[f.vertices[1]] - positions[f.vertices[0]];
+    const Float3 a = positions[f.vertices[0]], e = positions[f.vertices[1]] - a;
     squared_edge += dot(e, e) / static_cast<float>(faces.size());
+    largest = std::max({largest, std::abs(a.x), std::abs(a.y), std::abs(a.z)});
   }
+  region_rounding = kRegionRounding * std::numeric_limits<float>::epsilon() * largest;
   face_tolerance = 1e-6f * squared_edge;
 }
 
@@ -207,12 +211,12 @@ struct EmbreePeer::State::Search {
     const TrianglePoint s = closest_point(p, x[v[0]], x[v[1]], x[v[2]]);
     const Float3 out = p - s.point;
     const float squared = dot(out, out);
-    if (!(squared < best_squared) || squared == 0) return false;
+    if (!(squared < best_squared)) return false;
     if (cull && is_infeasible(f, v, s, out)) {
       if constexpr (Counting) ++counters.culled;
       return false;
     }
-    if (!is_path(face, s.point)) return false;
+    if (!is_path(face, s.point, squared)) return false;
     best_squared = squared;
     best_face = f;
     best_point = s.point;
@@ -234,17 +238,18 @@ struct EmbreePeer::State::Search {
       const Index a = v[(opposite + 1) % 3], b = v[(opposite + 2) % 3];
       const auto& n = state.faces[state.mesh.boundary_neighbours()[f][opposite]].vertices;
       const Index third = n[0] != a && n[0] != b ? n[0] : n[1] != a && n[1] != b ? n[1] : n[2];
-      return leans_towards(out, x[third] - s.point);
+      return leans_towards(out, x[third] - s.point, state.region_rounding);
     }
     const Index corner = v[s.mask >> 1];
     for (Index i = state.ring_first[corner]; i < state.ring_first[corner + 1]; ++i)
-      if (leans_towards(out, x[state.ring[i]] - s.point)) return true;
+      if (leans_towards(out, x[state.ring[i]] - s.point, state.region_rounding)) return true;
     return false;
   }
 
-  bool is_path(const PeerFace& face, const Float3& s) {
+  bool is_path(const PeerFace& face, const Float3& s, float squared) {
     if constexpr (Counting) ++counters.traversals, ++counters.elements_visited;
     if (face.owner >> 2 == target) return true;
+    if (squared == 0) return false;
     const Walk walk(mesh, s, p);
     const auto& v = face.vertices;
     const Entry entry{face.owner, {walk.project(v[0]), walk.project(v[1]), walk.project(v[2])}};

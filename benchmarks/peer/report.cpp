@@ -43,17 +43,19 @@ void Report::add(Row row) {
 }
 
 void Report::add(Work w) {
-  const std::string volumes = w.volumes < 0 ? "?" : fmt::format("{:.1f}", w.volumes);
+  const auto known = [](double x) { return x < 0 ? "?" : fmt::format("{:.1f}", x); };
   fmt::print(
       table_,
-      "  a query, {:<28} volumes {:>7}  faces {:>7.1f}  culled {:>7.1f}  traversals {:>7.2f}  elements {:>8.1f}\n",
-      w.who, volumes, w.faces, w.culled, w.traversals, w.elements);
+      "  a query, {:<30} volumes {:>6}  faces {:>6.1f}  culled {:>6.1f}  traversals {:>6.2f}  elements {:>7.1f}  "
+      "exact {:>6}\n",
+      w.who, known(w.volumes), w.faces, w.culled, w.traversals, w.elements, known(w.exact));
   works_.push_back(std::move(w));
 }
 
 void Report::add(Agreement a) {
   fmt::print(table_,
-             "  {:<37} compared {}, different {}, of these beyond single precision {}, one-sided {}, worst {:.2g}\n",
+             "  {:<39} compared {}, different {}, of these beyond single precision {}, one-sided {}, worst {:.2g} of "
+             "the size\n",
              a.what, a.compared, a.different, a.beyond_rounding, a.missing, a.worst);
   std::fflush(table_);
   agreements_.push_back(std::move(a));
@@ -80,7 +82,8 @@ void Report::write_json(const std::filesystem::path& path) const {
                             {"faces", w.faces},
                             {"culled", w.culled},
                             {"traversals", w.traversals},
-                            {"elements", w.elements}});
+                            {"elements", w.elements},
+                            {"exact_decisions", w.exact < 0 ? nlohmann::json() : nlohmann::json(w.exact)}});
   for (const Agreement& a : agreements_)
     json["agreement"].push_back({{"mesh", a.mesh},
                                  {"what", a.what},

@@ -25,13 +25,14 @@ struct Row {
 struct Work {
   std::string mesh, who;
   std::int64_t queries = 0;
-  double faces = 0, volumes = -1, culled = 0, traversals = 0, elements = 0;  ///< a query; volumes < 0: not known
+  double faces = 0, volumes = -1, culled = 0, traversals = 0, elements = 0,
+         exact = -1;  ///< a query; negative: not known
 };
 
 struct Agreement {
   std::string mesh, what;
   std::int64_t compared = 0, different = 0, beyond_rounding = 0, missing = 0;
-  double worst = 0;  ///< largest relative difference of the distance
+  double worst = 0;  ///< largest difference of the distance, relative to the size of the mesh
 };
 
 /// Prints each entry as it comes, and keeps it.
