@@ -10,9 +10,8 @@ namespace selvage::bench {
 
 namespace {
 
-/// How far p must lie in the infeasible region of a candidate (epsilon_r of the paper): the sine of an angle, and a
-/// multiple of the rounding of a coordinate.
-constexpr float kRegionAngle = 1e-3f, kRegionRounding = 4;
+/// How far p must lie in the infeasible region of a candidate, beside rounding (epsilon_r of the paper): as a sine.
+constexpr float kRegionAngle = 1e-3f;
 
 struct PeerFace {
   std::array<Index, 3> vertices;
@@ -53,7 +52,8 @@ struct EmbreePeer::State {
   std::vector<Index> ring, ring_first;  ///< boundary vertices joined by a boundary edge to each vertex
   std::vector<std::uint8_t> skipped;    ///< inverted elements on the boundary; filled only where some are inverted
   bool has_inverted = false;
-  float face_tolerance = 0, region_rounding = 0;
+  float face_tolerance = 0;  ///< epsilon_i of the paper, a double area [m^2]
+  float rounding = 0;        ///< of a point computed in single precision [m]
   EmbreeDevice device;
   EmbreeScene face_scene, tet_scene;
 
@@ -62,7 +62,7 @@ struct EmbreePeer::State {
   void take_pose(std::span<const Vec3> x);
   template <bool Counting>
   PeerPath find_path(const PathQuery<3>& query, bool cull, PeerCounters& counters) const;
-  WalkMesh walk_mesh() const { return {positions.data(), tets.data(), has_inverted, face_tolerance}; }
+  WalkMesh walk_mesh() const { return {positions.data(), tets.data(), has_inverted, face_tolerance, rounding}; }
 };
 
 EmbreePeer::State::State(const TetMesh& m, PeerSettings settings)
@@ -113,15 +113,14 @@ void EmbreePeer::State::take_pose(std::span<const Vec3> x) {
     skipped.assign(tets.size(), 0);
     for (const PeerFace& f : faces) skipped[f.owner >> 2] = is_inverted(tets[f.owner >> 2].vertices);
   }
-  // The rounding of a double area in the ray's frame, with room, and of a coordinate.
   float squared_edge = 0, largest = 0;
   for (const PeerFace& f : faces) {
     const Float3 a = positions[f.vertices[0]], e = positions[f.vertices[1]] - a;
     squared_edge += dot(e, e) / static_cast<float>(faces.size());
     largest = std::max({largest, std::abs(a.x), std::abs(a.y), std::abs(a.z)});
   }
-  region_rounding = kRegionRounding * std::numeric_limits<float>::epsilon() * largest;
-  face_tolerance = 1e-6f * squared_edge;
+  rounding = 4 * std::numeric_limits<float>::epsilon() * largest;
+  face_tolerance = std::sqrt(squared_edge) * rounding;
 }
 
 EmbreePeer::EmbreePeer(const TetMesh& mesh, std::span<const Vec3> positions, PeerSettings settings)
@@ -238,11 +237,11 @@ struct EmbreePeer::State::Search {
       const Index a = v[(opposite + 1) % 3], b = v[(opposite + 2) % 3];
       const auto& n = state.faces[state.mesh.boundary_neighbours()[f][opposite]].vertices;
       const Index third = n[0] != a && n[0] != b ? n[0] : n[1] != a && n[1] != b ? n[1] : n[2];
-      return leans_towards(out, x[third] - s.point, state.region_rounding);
+      return leans_towards(out, x[third] - s.point, state.rounding);
     }
     const Index corner = v[s.mask >> 1];
     for (Index i = state.ring_first[corner]; i < state.ring_first[corner + 1]; ++i)
-      if (leans_towards(out, x[state.ring[i]] - s.point, state.region_rounding)) return true;
+      if (leans_towards(out, x[state.ring[i]] - s.point, state.rounding)) return true;
     return false;
   }
 

@@ -20,6 +20,7 @@ struct WalkMesh {
   const PeerTet* tets;
   bool has_inverted;     ///< then the ray may run backwards, and stops at twice the distance only
   float face_tolerance;  ///< epsilon_i of the paper, a double area [m^2]
+  float rounding;        ///< of the ends of the ray [m]
 };
 
 /// A vertex in the frame of the ray: x and y across it, z along it.
@@ -102,8 +103,9 @@ class Walk {
     const float length = std::sqrt(dot(r, r));
     along_ = (1 / length) * r;
     set_basis();
-    farthest_ = mesh.has_inverted ? 2 * length : length * (1 + kSlack);
-    nearest_ = mesh.has_inverted ? -HUGE_VALF : -kSlack * length;
+    const float slack = kSlack * length + mesh.rounding;
+    farthest_ = mesh.has_inverted ? 2 * length : length + slack;
+    nearest_ = mesh.has_inverted ? -HUGE_VALF : -slack;
   }
 
   Corner project(Index vertex) const {
