@@ -1,0 +1,204 @@
+#include "boundary_path/families.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+namespace selvage::families {
+
+namespace {
+
+// Vertices of the lattice, made when first asked for.
+template <int D>
+struct LatticeVertices {
+  std::map<std::array<int, D>, Index> made;
+  Index get(Pieces<D>& mesh, const std::array<int, D>& at) {
+    const auto [place, is_new] = made.try_emplace(at, static_cast<Index>(mesh.positions.size()));
+    if (is_new) {
+      Vec<D> x;
+      for (int k = 0; k < D; ++k) x[k] = at[k];
+      mesh.positions.push_back(x);
+    }
+    return place->second;
+  }
+};
+
+// The cell with lowest corner `at`, as D! simplices: one for each order in which its diagonal's coordinates grow.
+// `mirror` reflects the first coordinate, so that the diagonal runs the other way.
+template <int D>
+void add_cell(Pieces<D>& mesh, LatticeVertices<D>& vertices, const std::array<int, D>& at, bool mirror = false) {
+  std::array<int, D> order;
+  for (int k = 0; k < D; ++k) order[k] = k;
+  do {
+    auto corner = at;
+    if (mirror) ++corner[0];
+    VertexTuple<D + 1> element{};
+    element[0] = vertices.get(mesh, corner);
+    int inversions = 0;
+    for (int k = 0; k < D; ++k) {
+      corner[order[k]] += (mirror && order[k] == 0) ? -1 : 1;
+      element[k + 1] = vertices.get(mesh, corner);
+      for (int j = 0; j < k; ++j) inversions += order[j] > order[k];
+    }
+    if ((inversions + mirror) % 2 == 1) std::swap(element[D - 1], element[D]);
+    mesh.elements.push_back(element);
+  } while (std::next_permutation(order.begin(), order.end()));
+}
+
+template <int D>
+std::array<int, D> step_of(char c) {
+  std::array<int, D> step{};
+  if (c == 'E') step[0] = 1;
+  if (c == 'W') step[0] = -1;
+  if (c == 'N') step[1] = 1;
+  if (c == 'S') step[1] = -1;
+  if constexpr (D == 3) {
+    if (c == 'U') step[2] = 1;
+    if (c == 'D') step[2] = -1;
+  }
+  return step;
+}
+
+template <int D>
+Pieces<D> walk_cells(const std::string& steps) {
+  Pieces<D> mesh;
+  LatticeVertices<D> vertices;
+  std::array<int, D> at{};
+  add_cell<D>(mesh, vertices, at);
+  for (char c : steps) {
+    const auto step = step_of<D>(c);
+    for (int k = 0; k < D; ++k) at[k] += step[k];
+    // Only the vertices of the side that leads into the new cell are shared with what is there already.
+    LatticeVertices<D> side;
+    for (const auto& [place, index] : vertices.made) {
+      bool kept = true;
+      for (int k = 0; k < D; ++k) {
+        const int low = step[k] < 0 ? at[k] + 1 : at[k], high = step[k] > 0 ? at[k] : at[k] + 1;
+        kept = kept && place[k] >= low && place[k] <= high;
+      }
+      if (kept) side.made.insert({place, index});
+    }
+    vertices = side;
+    add_cell<D>(mesh, vertices, at);
+  }
+  return mesh;
+}
+
+}  // namespace
+
+std::uint64_t Random::bits() {
+  std::uint64_t z = (state_ += 0x9e3779b97f4a7c15);
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
+  return z ^ (z >> 31);
+}
+
+Pieces<2> grid(int nx, int ny, bool alternating) {
+  Pieces<2> mesh;
+  LatticeVertices<2> vertices;
+  for (int j = 0; j < ny; ++j) {
+    for (int i = 0; i < nx; ++i) add_cell<2>(mesh, vertices, {i, j}, alternating && (i + j) % 2 == 1);
+  }
+  return mesh;
+}
+
+Pieces<3> grid(int nx, int ny, int nz) {
+  Pieces<3> mesh;
+  LatticeVertices<3> vertices;
+  for (int k = 0; k < nz; ++k) {
+    for (int j = 0; j < ny; ++j) {
+      for (int i = 0; i < nx; ++i) add_cell<3>(mesh, vertices, {i, j, k});
+    }
+  }
+  return mesh;
+}
+
+Pieces<2> walk(const std::string& steps) {
+  return walk_cells<2>(steps);
+}
+Pieces<3> cube_walk(const std::string& steps) {
+  return walk_cells<3>(steps);
+}
+
+Pieces<2> squares(const std::vector<std::string>& rows) {
+  Pieces<2> mesh;
+  LatticeVertices<2> vertices;
+  for (int r = 0; r < static_cast<int>(rows.size()); ++r) {
+    for (int c = 0; c < static_cast<int>(rows[r].size()); ++c) {
+      if (rows[r][c] == '#') add_cell<2>(mesh, vertices, {c, r});
+    }
+  }
+  return mesh;
+}
+
+Pieces<3> cubes(const std::vector<std::array<int, 3>>& corners) {
+  Pieces<3> mesh;
+  LatticeVertices<3> vertices;
+  for (const auto& at : corners) add_cell<3>(mesh, vertices, at);
+  return mesh;
+}
+
+Pieces<2> fan(int count, double turns, bool closed, int rings) {
+  Pieces<2> mesh;
+  mesh.positions.push_back({0, 0});
+  const int rim = closed ? count : count + 1;
+  for (int ring = 1; ring <= rings; ++ring) {
+    for (int i = 0; i < rim; ++i) {
+      const double angle = 2 * std::numbers::pi * turns * i / count;
+      const double radius = 2 * ring + 0.4 * std::sin(3.7 * i + ring);
+      mesh.positions.push_back({radius * std::cos(angle), radius * std::sin(angle)});
+    }
+  }
+  for (int i = 0; i < count; ++i) {
+    const int next = (i + 1) % rim;
+    mesh.elements.push_back({0, 1 + i, 1 + next});
+    for (int ring = 1; ring < rings; ++ring) {
+      const Index inner = 1 + (ring - 1) * rim, outer = inner + rim;
+      mesh.elements.push_back({inner + i, outer + i, outer + next});
+      mesh.elements.push_back({inner + i, outer + next, inner + next});
+    }
+  }
+  return mesh;
+}
+
+std::string random_steps(int count, bool in_space, std::uint64_t seed) {
+  const std::string steps = in_space ? "EWNSUD" : "EWNS", back = in_space ? "WESNDU" : "WESN";
+  Random random(seed);
+  std::string result;
+  while (static_cast<int>(result.size()) < count) {
+    const char c = steps[random.below(steps.size())];
+    if (result.empty() || result.back() != back[steps.find(c)]) result += c;
+  }
+  return result;
+}
+
+Pieces<3> extrude(const Pieces<2>& mesh, int layers, double height) {
+  Pieces<3> solid;
+  const auto n = static_cast<Index>(mesh.positions.size());
+  for (int layer = 0; layer <= layers; ++layer) {
+    for (const auto& x : mesh.positions) solid.positions.push_back({x[0], x[1], layer * height});
+  }
+  for (int layer = 0; layer < layers; ++layer) {
+    for (auto e : mesh.elements) {
+      int swaps = 0;
+      for (const auto& [i, j] : {std::pair{0, 1}, {1, 2}, {0, 1}}) {
+        if (e[i] > e[j]) {
+          std::swap(e[i], e[j]);
+          ++swaps;
+        }
+      }
+      const Index low = layer * n, high = low + n;
+      std::array<VertexTuple<4>, 3> tets{{{low + e[0], low + e[1], low + e[2], high + e[2]},
+                                          {low + e[0], low + e[1], high + e[2], high + e[1]},
+                                          {low + e[0], high + e[0], high + e[1], high + e[2]}}};
+      for (auto& t : tets) {
+        if (swaps % 2 == 1) std::swap(t[2], t[3]);
+        solid.elements.push_back(t);
+      }
+    }
+  }
+  return solid;
+}
+
+}  // namespace selvage::families
