@@ -34,7 +34,8 @@ struct PeerCounters {
 ///
 /// Single precision; rtcPointQuery with a shrinking radius over the boundary faces, and with radius 0 over the elements
 /// for vertex-element DCD; traversal with a tolerance from the boundary point towards the query's point on fixed
-/// stacks; infeasible-region culling by choice; no warm start. Written from the paper and its supplement alone.
+/// stacks; infeasible-region culling by choice; no warm start. Written from the paper and its supplement alone. Its
+/// tolerances follow from the rounding of single precision: the paper's constants belong to objects of a few metres.
 class EmbreePeer {
  public:
   EmbreePeer(const TetMesh& mesh, std::span<const Vec3> positions, PeerSettings settings);

@@ -71,7 +71,7 @@ int main(int argc, char** argv) try {
   paths->footer("Example: selvage_bench boundary-path --quick --mesh tangled.t --json result.json");
   paths->add_option("--mesh", arguments.meshes, "Tangled tetrahedral meshes instead of the ones made by formula")
       ->check(CLI::ExistingFile);
-  paths->add_option("--shape", arguments.shapes, "Only these: octopus, squishy-ball, rod, beam, aligned-rod");
+  paths->add_option("--shape", arguments.shapes, "Only these: octopus, squishy-balls, rod, beam, aligned-rod");
   paths->add_option("--elements", arguments.elements, "Sizes of the meshes made by formula");
   paths->add_option("--threads", arguments.threads, "All threads; 1: nothing but one")->check(CLI::PositiveNumber);
   paths->add_option("--json", arguments.json, "Machine-readable result; - is standard output");

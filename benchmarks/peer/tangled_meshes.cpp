@@ -15,14 +15,23 @@ void lean(MeshFile& mesh, double share) {
   for (Vec3& x : mesh.positions) x[2] += share * x[0];
 }
 
+MeshFile make_two_squishy_balls(double cell) {
+  const MeshFile ball = make_squishy_ball(1, 40, cell, 1);
+  return concatenate(std::vector{ball, ball});
+}
+
 }  // namespace
 
 std::span<const TangledShape> tangled_shapes() {
   static const std::array<TangledShape, 5> kShapes = {{
       {"octopus", [](double cell) { return make_octopus(1, cell, 1); },
        [](MeshFile& mesh) { pose_swirl(mesh, 0.5, 0.15); }, 0.066},
-      {"squishy-ball", [](double cell) { return make_squishy_ball(1, 60, cell, 1); },
-       [](MeshFile& mesh) { pose_swirl(mesh, 0.5, 0.15); }, 0.082},
+      {"squishy-balls", make_two_squishy_balls,
+       [](MeshFile& mesh) {
+         const Index half = static_cast<Index>(mesh.positions.size() / 2);
+         pose_overlap(mesh.positions, half, Vec3(1.6137, 0.2319, 0.1713));
+       },
+       0.1},
       {"rod", [](double cell) { return make_rod(RodCurve::kStraight, 4, 0.1, cell); },
        [](MeshFile& mesh) {
          lean(mesh, 0.0137);

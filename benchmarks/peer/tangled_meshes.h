@@ -14,7 +14,8 @@ struct TangledShape {
   double coarsest_cell;  ///< the largest that the shape takes
 };
 
-/// octopus, squishy-ball, rod, beam: as in the figures of SPB; aligned-rod: full of exact coincidences.
+/// octopus, squishy-balls (two that meet head-on), rod, beam: as in the figures of SPB; aligned-rod: full of exact
+/// coincidences.
 std::span<const TangledShape> tangled_shapes();
 
 /// The shape with about `elements` tetrahedra, or the fewest that it can be made of; tangled.
