@@ -67,8 +67,11 @@ int run_program(int argc, char** argv) {
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
     const auto parsed = app.get_subcommands();
+    // CLI11 would say that a subcommand is missing where its name is wrong.
+    const bool unknown = parsed.empty() && argc > 1 && argv[1][0] != '-';
+    const std::string what = unknown ? fmt::format("there is no subcommand '{}'", argv[1]) : error.what();
     const std::string help = parsed.empty() ? "selvage --help" : "selvage " + parsed[0]->get_name() + " --help";
-    return report(fmt::format("{}; see `{}`", error.what(), help), kBadInput);
+    return report(fmt::format("{}; see `{}`", what, help), kBadInput);
   }
   const auto chosen = std::find_if(commands.begin(), commands.end(), [](const Command& c) { return c.app->parsed(); });
   return run_command(*chosen);

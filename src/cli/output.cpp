@@ -18,7 +18,7 @@ namespace {
 
 fs::path normal_path(const fs::path& path) {
   std::error_code error;
-  const fs::path normal = fs::weakly_canonical(path, error);
+  const fs::path normal = fs::weakly_canonical(fs::absolute(path), error);
   return error ? path : normal;
 }
 

@@ -1,0 +1,120 @@
+#include "cli/program.h"
+#include "selvage/mesh/mesh_file.h"
+#include "selvage/mesh/poses.h"
+#include "selvage/mesh/shapes.h"
+
+#include <nlohmann/json.hpp>
+
+namespace selvage::testing {
+namespace {
+
+using MakeTest = ProgramTest;
+using nlohmann::json;
+
+/// Options that keep each shape small.
+std::string small(std::string_view shape) {
+  if (shape == "nested-knot") return "--elements 20000";
+  if (shape == "octopus" || shape == "squishy-ball") return shape == "octopus" ? "" : "--tentacles 8";
+  return "--elements 3000";
+}
+
+TEST_F(MakeTest, EveryShapeGoesThroughInfoAndPaths) {
+  for (const std::string_view shape : shape_names()) {
+    const std::string name(shape);
+    const bool solid = name != "cloth";
+    run_well("make " + name + " " + small(shape) + " -o mesh.vtu --json make.json --quiet");
+    run_well("info mesh.vtu --json info.json --quiet");
+    const json made = json::parse(read_text(file("make.json"))), info = json::parse(read_text(file("info.json")));
+    const char* elements = solid ? "tetrahedra" : "triangles";
+    EXPECT_EQ(made["schema"], 1);
+    EXPECT_EQ(made["kind"], "make");
+    EXPECT_GT(made[elements], 0) << name;
+    EXPECT_EQ(info[elements], made[elements]) << name;
+    EXPECT_EQ(info["vertices"], made["vertices"]) << name;
+    EXPECT_EQ(info["unused_vertices"], 0) << name;
+    EXPECT_EQ(info["components"], 1) << name;
+    EXPECT_EQ(info["inverted_elements"], 0) << name;
+    EXPECT_EQ(info["degenerate_elements"], 0) << name;
+    run_well("paths mesh.vtu --json paths.json --quiet");
+    const json paths = json::parse(read_text(file("paths.json")));
+    EXPECT_EQ(paths["queries"], 0) << name << " is not tangled yet";
+    EXPECT_EQ(paths["deepest"], nullptr);
+  }
+}
+
+TEST_F(MakeTest, TangledExamplesHavePathsWithoutInvertedElements) {
+  for (const auto& [shape, pose] : tangled_examples()) {
+    const std::string name(shape);
+    if (name == "cloth" || (name != "octopus" && name != "rod" && name != "torus" && name != "box")) continue;
+    run_well("make " + name + " --pose " + std::string(pose) + " -o mesh.t -q");
+    run_well("paths mesh.t --json paths.json -q");
+    const json paths = json::parse(read_text(file("paths.json")));
+    EXPECT_GT(paths["queries"], 0) << name << " " << pose;
+    EXPECT_EQ(paths["found"], paths["queries"]) << name << " " << pose;
+    EXPECT_EQ(paths["defects"]["inverted_elements"], 0) << name << " " << pose;
+  }
+}
+
+TEST_F(MakeTest, RodFollowsItsCurve) {
+  for (const auto& [curve, shape] : {std::pair("straight", "rod"), {"trefoil", "trefoil"}, {"coil", "noodle"}}) {
+    run_well("make rod --curve " + std::string(curve) + " --length 20 --radius 0.2 -o a.t -q");
+    run_well("make " + std::string(shape) + " --length 20 --radius 0.2 -o b.t -q");
+    EXPECT_EQ(read_text(file("a.t")), read_text(file("b.t"))) << curve;
+  }
+}
+
+TEST_F(MakeTest, OptionsReachTheShape) {
+  run_well("make box --size 1 2 3 --cell 0.5 -o box.t -q");
+  const MeshFile box = read_mesh(file("box.t")), wanted = make_box({1, 2, 3}, 0.5);
+  EXPECT_EQ(box.positions, wanted.positions);
+  EXPECT_EQ(box.tetrahedra, wanted.tetrahedra);
+  run_well("make octopus --seed 1 -o one.t -q");
+  run_well("make octopus --seed 2 -o two.t -q");
+  EXPECT_NE(read_text(file("one.t")), read_text(file("two.t")));
+}
+
+TEST_F(MakeTest, PosesAreAppliedInTurn) {
+  run_well("make beam -o beam.t --pose bend,axis=x,turns=0.5 --pose overlap,dx=0.5,dz=0.25 -q");
+  MeshFile wanted = make_shape("beam");
+  PoseOptions bend, overlap;
+  bend.axis = 0;
+  bend.turns = 0.5;
+  overlap.offset = Vec3(0.5, 0, 0.25);
+  apply_pose(wanted, "bend", bend);
+  apply_pose(wanted, "overlap", overlap);
+  EXPECT_EQ(read_mesh(file("beam.t")).positions, wanted.positions);
+}
+
+TEST_F(MakeTest, AsciiAndBinaryHoldTheSameMesh) {
+  for (const char* extension : {"msh", "vtk", "vtu"}) {
+    const std::string ascii = std::string("ascii.") + extension, binary = std::string("binary.") + extension;
+    run_well("make ball -o " + ascii + " --ascii -q");
+    run_well("make ball -o " + binary + " -q");
+    EXPECT_NE(read_text(file(ascii)), read_text(file(binary)));
+    EXPECT_EQ(read_mesh(file(ascii)).positions, read_mesh(file(binary)).positions) << extension;
+    EXPECT_EQ(read_mesh(file(ascii)).tetrahedra, read_mesh(file(binary)).tetrahedra) << extension;
+  }
+}
+
+TEST_F(MakeTest, FailureLeavesNothingAndTouchesNothing) {
+  write_text(file("old.obj"), "what stood here");
+  expect_refused("make ball -o old.obj --json result.json", 2, {"old.obj"});  // .obj holds no tetrahedra
+  expect_refused("make ball -o ball.what --json result.json", 2, {"ball.what"});
+  expect_refused("make ball -o nowhere/ball.t --json result.json", 2, {"nowhere/ball.t"});
+  expect_refused("make ball -o ball.t --json nowhere/result.json", 2, {"nowhere/result.json"});
+  expect_refused("make ball -o same.t --json ./same.t", 2, {"same.t"});
+  expect_refused("make ball -o -", 2, {"standard output"});
+  EXPECT_EQ(files(), std::vector<std::string>{"old.obj"});
+  EXPECT_EQ(read_text(file("old.obj")), "what stood here");
+}
+
+TEST_F(MakeTest, TooLittleMemoryIsAFailureOfTheComputation) {
+  if (SELVAGE_SANITIZED) GTEST_SKIP() << "a sanitizer needs the address space";
+  const Outcome outcome = run("make box --cell 0.0025 --threads 1 -o box.t", "ulimit -v 500000");
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  EXPECT_EQ(lines_of(outcome.err).size(), 1u) << outcome.err;
+  EXPECT_TRUE(files().empty());
+}
+
+}  // namespace
+}  // namespace selvage::testing
