@@ -74,6 +74,10 @@ format:
 	$(INSTALL) lint
 	clang-format -i $(SOURCES)
 
+check-format:
+	$(INSTALL) lint
+	clang-format --dry-run -Werror $(SOURCES)
+
 ## lint        clang-tidy over all sources
 lint: build-tests
 	$(INSTALL) lint
@@ -90,5 +94,5 @@ clean:
 help:
 	@sed -n 's/^## /make /p' $(MAKEFILE_LIST)
 
-.PHONY: demo cli test test-long build-tests sanitize sanitize-memory sanitize-threads fuzz bench docs format lint install \
+.PHONY: demo cli test test-long build-tests sanitize sanitize-memory sanitize-threads fuzz bench docs format check-format lint install \
         clean help

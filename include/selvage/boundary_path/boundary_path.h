@@ -20,8 +20,8 @@ enum class BoundaryFeature : std::uint8_t { kFace, kEdge, kVertex };
 /// An interior point whose way out is asked for.
 template <int D>
 struct PathQuery {
-  Vec<D> point;    ///< [m]
-  Index element;   ///< the element that the point is taken to be in: one place may hold several material points
+  Vec<D> point;   ///< [m]
+  Index element;  ///< the element that the point is taken to be in: one place may hold several material points
   /// Vertices that span the boundary simplex on which the point lies, when it is a boundary point that has penetrated:
   /// a vertex (v, kNone) or an edge (a, b). The boundary faces that have all of them are no candidates.
   std::array<Index, 2> source{kNone, kNone};
@@ -32,11 +32,11 @@ template <int D>
 struct BoundaryPath {
   PathStatus status = PathStatus::kNoPath;
   BoundaryFeature feature = BoundaryFeature::kFace;
-  Index face = kNone;      ///< boundary face; the smallest index where several share the closest point
-  Vec<D> barycentric;      ///< of `point` in the face's vertices; exactly 0 off the feature
-  Vec<D> point;            ///< closest boundary point [m]
-  double distance = 0;     ///< length of the path [m]
-  Vec<D> normal;           ///< unit outward normal, area-weighted over the boundary faces at an edge or a vertex
+  Index face = kNone;   ///< boundary face; the smallest index where several share the closest point
+  Vec<D> barycentric;   ///< of `point` in the face's vertices; exactly 0 off the feature
+  Vec<D> point;         ///< closest boundary point [m]
+  double distance = 0;  ///< length of the path [m]
+  Vec<D> normal;        ///< unit outward normal, area-weighted over the boundary faces at an edge or a vertex
 };
 
 /// What a search did (SPB table 1). Counted only on request.
@@ -101,13 +101,12 @@ class BoundaryPathFinder {
   ///                    of the last step; never changes an answer
   /// @param counters    empty, or one per query, overwritten
   /// @throws Error      when an element is out of range, a point is not finite, or a span has the wrong size
-  std::vector<BoundaryPath<D>> find_paths(std::span<const PathQuery<D>> queries,
-                                          std::span<const Index> warm_start = {},
+  std::vector<BoundaryPath<D>> find_paths(std::span<const PathQuery<D>> queries, std::span<const Index> warm_start = {},
                                           std::span<PathCounters> counters = {}) const;
 
-  /// Vertex-element DCD: every pair of a boundary vertex and an element that holds it (closed, decided exactly) but does
-  /// not have it as a vertex, ready for find_paths(); ordered by vertex, then element. Inverted elements on the boundary
-  /// are skipped (SPB section 3.5), flat ones hold nothing. Parallel.
+  /// Vertex-element DCD: every pair of a boundary vertex and an element that holds it (closed, decided exactly) but
+  /// does not have it as a vertex, ready for find_paths(); ordered by vertex, then element. Inverted elements on the
+  /// boundary are skipped (SPB section 3.5), flat ones hold nothing. Parallel.
   std::vector<PathQuery<D>> find_penetrating_vertices() const;
 
   /// Elements that hold each point (closed, decided exactly): for each point a query per element, ascending; `first`

@@ -24,9 +24,7 @@ const char* isa_name(Isa isa);
 
 /// Calls `function(...)` of the kernel namespace of the active instruction set; a kernel file compiled by
 /// selvage_kernel() in CMake defines it in namespace selvage::{baseline,avx2,avx512}.
-#define SELVAGE_DISPATCH(function, ...)                                    \
-  (::selvage::active_isa() == ::selvage::Isa::avx512                       \
-       ? ::selvage::avx512::function(__VA_ARGS__)                          \
-       : ::selvage::active_isa() == ::selvage::Isa::avx2                   \
-             ? ::selvage::avx2::function(__VA_ARGS__)                      \
-             : ::selvage::baseline::function(__VA_ARGS__))
+#define SELVAGE_DISPATCH(function, ...)                                                         \
+  (::selvage::active_isa() == ::selvage::Isa::avx512 ? ::selvage::avx512::function(__VA_ARGS__) \
+   : ::selvage::active_isa() == ::selvage::Isa::avx2 ? ::selvage::avx2::function(__VA_ARGS__)   \
+                                                     : ::selvage::baseline::function(__VA_ARGS__))

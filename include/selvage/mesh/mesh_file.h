@@ -10,7 +10,7 @@ namespace selvage {
 /// What a mesh file holds: vertices in the order of the file, never merged or dropped, and the elements that use them.
 /// A file has tetrahedra, triangles, or both (some formats list a tetrahedral mesh's surface too).
 struct MeshFile {
-  std::vector<Vec3> positions;             ///< [m]
+  std::vector<Vec3> positions;  ///< [m]
   std::vector<VertexTuple<4>> tetrahedra;
   std::vector<VertexTuple<3>> triangles;
 };
@@ -19,8 +19,8 @@ struct MeshFile {
 enum class FileEncoding { kAscii, kBinary };
 
 /// Reads a mesh; the format follows from the file's extension:
-/// .obj .ply .stl .off (surfaces; polygons are split into fans), .t, TetGen .node or .ele (its twin is found beside it),
-/// MEDIT .mesh, Gmsh .msh (2.2 and 4.1), VTK .vtk (legacy) and .vtu; ASCII and binary where the format has both.
+/// .obj .ply .stl .off (surfaces; polygons are split into fans), .t, TetGen .node or .ele (its twin is found beside
+/// it), MEDIT .mesh, Gmsh .msh (2.2 and 4.1), VTK .vtk (legacy) and .vtu; ASCII and binary where the format has both.
 ///
 /// STL has no shared vertices: each triangle gets three vertices of its own.
 /// @throws Error  one line with the file and the line or byte offset: unknown extension, truncated file, wrong counts,
