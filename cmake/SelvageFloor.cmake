@@ -4,6 +4,11 @@
 add_library(selvage_settings INTERFACE)
 target_compile_features(selvage_settings INTERFACE cxx_std_20)
 # The same bits from every instruction set: no fused multiply-add unless the source says so.
+# GCC's straight-line vectorizer (12.2 at least) drops the rounding of a double to float and back, on which every box
+# that is rounded outward depends.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  target_compile_options(selvage_settings INTERFACE -fno-tree-slp-vectorize)
+endif()
 target_compile_options(selvage_settings INTERFACE -ffp-contract=off -Wall -Wextra -Wshadow -Wpedantic)
 if(SELVAGE_WARNINGS_AS_ERRORS)
   target_compile_options(selvage_settings INTERFACE -Werror)

@@ -156,7 +156,9 @@ void CandidateFactory<D>::set_offset(Candidate<D>& c) const {
   else
     aim_at_triangle(c);
   // Relative to the distance, not to the size of the target: p may be very close to it.
-  if (!(c.offset_error < kPreciseAbove * largest(c.offset))) make_precise(c);
+  bool proper = true;  // s is inside its feature, and its weights should say so
+  for (int i = 0; i < c.target.count; ++i) proper &= c.barycentric[i] > 0;
+  if (!proper || !(c.offset_error < kPreciseAbove * largest(c.offset))) make_precise(c);
   c.squared_distance = dot(c.offset, c.offset);
 }
 

@@ -1,3 +1,4 @@
+#include "boundary_path/boundary_corner.h"
 #include "boundary_path/containment_kernel.h"
 #include "boundary_path/path_kernel.h"
 #include "boundary_path/pose.h"
@@ -84,6 +85,7 @@ struct BoundaryPathFinder<D>::State {
             topology.component_of.data(),
             pose.component_states().data(),
             pose.cullable().data(),
+            topology.is_split.data(),
             topology.hints.data(),
             pose.inverted_owners().data(),
             pose.defect_hierarchy().nodes(),
@@ -135,20 +137,17 @@ void BoundaryPathFinder<D>::State::check(std::span<const PathQuery<D>> queries, 
   }
 }
 
+/// Area-weighted over the faces of the feature at this corner of the material; where they cancel, the face's own.
 template <int D>
 Vec<D> BoundaryPathFinder<D>::State::normal_at(Index face, const PathResult<D>& result) const {
   Vec<D> normal = Vec<D>::Zero();
-  if (result.target_count == D) {
-    normal = pose.measured_normal(face);
-  } else if (result.target_count == 1) {
-    for (Index other : mesh.vertex_boundary_faces(result.target_vertices[0])) normal += pose.measured_normal(other);
-  } else {
-    const auto& ids = mesh.boundary_faces()[face];
-    for (int k = 0; k < D; ++k)
-      if (std::find(result.target_vertices.begin(), result.target_vertices.end(), ids[k]) ==
-          result.target_vertices.end())
-        normal = pose.measured_normal(face) + pose.measured_normal(mesh.boundary_neighbours()[face][k]);
-  }
+  double total = 0;
+  visit_feature<D>(mesh.boundary_faces().data(), mesh.boundary_neighbours().data(), face, result.target_vertices,
+                   result.target_count, [&](Index other) {
+                     normal += pose.measured_normal(other);
+                     total += pose.measured_normal(other).norm();
+                   });
+  if (!(normal.norm() > 1e-12 * total)) normal = pose.measured_normal(face);
   const double length = normal.stableNorm();
   return length > 0 ? Vec<D>(normal / length) : normal;
 }

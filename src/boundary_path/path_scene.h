@@ -56,6 +56,7 @@ struct PathScene {
   const Index* component_of;              ///< per element
   const ComponentState* component_state;  ///< per component
   const std::uint8_t* cullable;           ///< per vertex: its surroundings are proven to be locally injective
+  const std::uint8_t* is_split;           ///< per vertex: several corners of the material meet there
   const Index* hints;                     ///< per element: a boundary face that is near in the mesh
   const std::uint8_t* inverted_owner;     ///< per boundary face: its owner is inverted or flat
   std::span<const BvhNode> defect_nodes;  ///< hierarchy over `defects`

@@ -67,47 +67,7 @@ std::vector<Index> nearest_boundary_faces(const SimplexMesh<D>& mesh) {
   return nearest;
 }
 
-}  // namespace
-
-template <int D>
-PathTopology<D>::PathTopology(const SimplexMesh<D>& mesh)
-    : component_of(mesh.element_components()), hints(nearest_boundary_faces(mesh)) {
-  component_count = *std::max_element(component_of.begin(), component_of.end()) + 1;
-
-  constexpr Index kElementsAtOnce = 1 << 14;
-  constexpr std::size_t kFewest = 5;
-  struct Piece {
-    std::vector<Fan> fans;
-    std::vector<Index> links;
-  };
-  std::vector<Piece> pieces((mesh.element_count() + kElementsAtOnce - 1) / kElementsAtOnce);
-  parallel_for(std::ssize(pieces), 1, [&](std::int64_t k) {
-    std::vector<Index> link;
-    const Index first = static_cast<Index>(k) * kElementsAtOnce;
-    for (Index e = first; e < std::min(first + kElementsAtOnce, mesh.element_count()); ++e) {
-      const auto& v = mesh.elements()[e];
-      for (const auto& r : ridges_of_element<D>()) {
-        if (!collect_interior_link(mesh, e, v[r[D - 1]], v[r[D]], link) || link.size() < kFewest) continue;
-        Fan fan;
-        for (int i = 0; i < D - 1; ++i) fan.ridge[i] = v[r[i]];
-        fan.element = e;
-        fan.first_link = std::ssize(pieces[k].links);
-        pieces[k].fans.push_back(fan);
-        pieces[k].links.insert(pieces[k].links.end(), link.begin(), link.end());
-      }
-    }
-  });
-  for (Piece& piece : pieces) {
-    for (Fan& fan : piece.fans) {
-      fan.first_link += std::ssize(links);
-      fans.push_back(fan);
-    }
-    links.insert(links.end(), piece.links.begin(), piece.links.end());
-    piece = {};
-  }
-  fans.push_back({{}, kNone, std::ssize(links)});
-}
-
+/// From boundary face to boundary face around the ridge opposite to a corner of the first, that corner first.
 template <int D>
 void collect_boundary_link(const SimplexMesh<D>& mesh, Index face, int corner, std::vector<Index>& link) {
   Index element = mesh.boundary_owners()[face].element();
@@ -124,9 +84,115 @@ void collect_boundary_link(const SimplexMesh<D>& mesh, Index face, int corner, s
   }
 }
 
+/// Lists fans piece by piece in parallel, in order: `collect(item, add)` calls add(ridge, element, link).
+template <int D, typename Collect>
+typename PathTopology<D>::Fans collect_fans(std::int64_t items, Collect&& collect) {
+  using Fans = typename PathTopology<D>::Fans;
+  constexpr std::int64_t kItemsAtOnce = 1 << 14;
+  std::vector<Fans> pieces((items + kItemsAtOnce - 1) / kItemsAtOnce);
+  parallel_for(std::ssize(pieces), 1, [&](std::int64_t k) {
+    std::vector<Index> link;
+    const auto add = [&](const VertexTuple<D - 1>& ridge, Index element) {
+      pieces[k].fans.push_back({ridge, element, std::ssize(pieces[k].links)});
+      pieces[k].links.insert(pieces[k].links.end(), link.begin(), link.end());
+    };
+    for (std::int64_t i = k * kItemsAtOnce; i < std::min((k + 1) * kItemsAtOnce, items); ++i)
+      collect(static_cast<Index>(i), link, add);
+  });
+  Fans all;
+  for (Fans& piece : pieces) {
+    for (auto& fan : piece.fans) {
+      fan.first_link += std::ssize(all.links);
+      all.fans.push_back(fan);
+    }
+    all.links.insert(all.links.end(), piece.links.begin(), piece.links.end());
+    piece = {};
+  }
+  all.fans.push_back({{}, kNone, std::ssize(all.links)});
+  return all;
+}
+
+template <int D>
+typename PathTopology<D>::Fans collect_interior_fans(const SimplexMesh<D>& mesh) {
+  constexpr std::size_t kFewest = 5;
+  return collect_fans<D>(mesh.element_count(), [&](Index e, std::vector<Index>& link, auto&& add) {
+    const auto& v = mesh.elements()[e];
+    for (const auto& r : ridges_of_element<D>()) {
+      if (!collect_interior_link(mesh, e, v[r[D - 1]], v[r[D]], link) || link.size() < kFewest) continue;
+      VertexTuple<D - 1> ridge;
+      for (int i = 0; i < D - 1; ++i) ridge[i] = v[r[i]];
+      add(ridge, e);
+    }
+  });
+}
+
+template <int D>
+typename PathTopology<D>::Fans collect_boundary_fans(const SimplexMesh<D>& mesh) {
+  constexpr std::size_t kFewest = 4;  // link vertices of three elements
+  return collect_fans<D>(mesh.boundary_face_count(), [&](Index b, std::vector<Index>& link, auto&& add) {
+    for (int k = 0; k < D; ++k) {
+      if (mesh.boundary_neighbours()[b][k] < b) continue;
+      collect_boundary_link(mesh, b, k, link);
+      if (link.size() < kFewest) continue;
+      const auto& f = mesh.boundary_faces()[b];
+      if constexpr (D == 3) {  // the link turns counter-clockwise against the face's own order
+        add({f[(k + 2) % 3], f[(k + 1) % 3]}, mesh.boundary_owners()[b].element());
+      } else {  // and from the next vertex inward, not from the one before
+        if (k == 0) std::reverse(link.begin(), link.end());
+        add({f[1 - k]}, mesh.boundary_owners()[b].element());
+      }
+    }
+  });
+}
+
+/// Whether the elements of a vertex do not all reach each other across faces at the vertex.
+template <int D>
+bool is_torn(const SimplexMesh<D>& mesh, Index v) {
+  const auto star = mesh.vertex_elements(v);
+  if (star.size() < 2) return false;
+  std::vector<Index> reached{star.front()};
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    for (int k = 0; k <= D; ++k) {
+      const Index across = mesh.neighbours()[reached[i]][k];
+      if (across < 0 || mesh.elements()[reached[i]][k] == v) continue;
+      if (std::find(reached.begin(), reached.end(), HalfFace{across}.element()) == reached.end())
+        reached.push_back(HalfFace{across}.element());
+    }
+  }
+  return reached.size() != star.size();
+}
+
+template <int D>
+std::vector<std::uint8_t> find_split_vertices(const SimplexMesh<D>& mesh) {
+  std::vector<std::uint8_t> is_split(mesh.vertex_count(), 0);
+  parallel_for(std::ssize(mesh.boundary_vertices()), 1024, [&](std::int64_t i) {
+    const Index v = mesh.boundary_vertices()[i];
+    is_split[v] = is_torn(mesh, v);
+    if constexpr (D == 3) {
+      // A manifold boundary has two faces on each edge of the vertex.
+      std::vector<Index> rim;
+      for (Index face : mesh.vertex_boundary_faces(v))
+        for (Index w : mesh.boundary_faces()[face])
+          if (w != v) rim.push_back(w);
+      std::sort(rim.begin(), rim.end());
+      for (std::size_t k = 0; k + 2 < rim.size(); ++k) is_split[v] |= rim[k] == rim[k + 2];
+    }
+  });
+  return is_split;
+}
+
+}  // namespace
+
+template <int D>
+PathTopology<D>::PathTopology(const SimplexMesh<D>& mesh)
+    : component_of(mesh.element_components()),
+      component_count(*std::max_element(component_of.begin(), component_of.end()) + 1),
+      hints(nearest_boundary_faces(mesh)),
+      is_split(find_split_vertices(mesh)),
+      interior_fans(collect_interior_fans(mesh)),
+      boundary_fans(collect_boundary_fans(mesh)) {}
+
 template struct PathTopology<2>;
 template struct PathTopology<3>;
-template void collect_boundary_link<2>(const SimplexMesh<2>&, Index, int, std::vector<Index>&);
-template void collect_boundary_link<3>(const SimplexMesh<3>&, Index, int, std::vector<Index>&);
 
 }  // namespace selvage

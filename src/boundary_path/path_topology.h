@@ -15,26 +15,34 @@ struct PathTopology {
   /// Per element a boundary face that is as few elements away as any; kNone in a component without boundary.
   std::vector<Index> hints;
 
-  /// An interior ridge (an edge in 3D, a vertex in 2D) around which positive elements may turn twice: with fewer than
-  /// five elements, each less than half a turn, they cannot.
-  struct Fan {
-    VertexTuple<D - 1> ridge;  ///< in 3D the link turns counter-clockwise about ridge[1] - ridge[0]
-    Index element;             ///< one of its elements
-    std::int64_t first_link;   ///< its share of `links` ends where the next one's begins
+  /// Per vertex: 1 when its elements, or those of a boundary ridge at it, do not all hang together across faces, so
+  /// that several corners of the material meet there.
+  std::vector<std::uint8_t> is_split;
+
+  /// Ridges (edges in 3D, vertices in 2D), each with the link of vertices around it.
+  struct Fans {
+    struct Fan {
+      VertexTuple<D - 1> ridge;  ///< in 3D the link turns counter-clockwise about ridge[1] - ridge[0]
+      Index element;             ///< one of its elements
+      std::int64_t first_link;   ///< its share of `links` ends where the next one's begins
+    };
+    std::vector<Fan> fans;  ///< with a sentinel at the end
+    std::vector<Index> links;
+
+    std::int64_t count() const { return std::ssize(fans) - 1; }
+    std::span<const Index> link(std::int64_t k) const {
+      return {links.data() + fans[k].first_link, static_cast<std::size_t>(fans[k + 1].first_link - fans[k].first_link)};
+    }
   };
-  std::vector<Fan> fans;  ///< with a sentinel at the end
-  std::vector<Index> links;
+  /// Interior ridges around which positive elements may turn twice: with fewer than five elements, each less than half
+  /// a turn, they cannot. The link is closed.
+  Fans interior_fans;
+  /// Boundary ridges around which positive elements may turn by more than 2 pi: three at least. The link goes from one
+  /// boundary face to the other.
+  Fans boundary_fans;
 };
 
 extern template struct PathTopology<2>;
 extern template struct PathTopology<3>;
-
-/// The link vertices around the ridge opposite to vertex `corner` of a boundary face, from that vertex through the
-/// elements to the boundary face on the other side of the ridge.
-template <int D>
-void collect_boundary_link(const SimplexMesh<D>& mesh, Index face, int corner, std::vector<Index>& link);
-
-extern template void collect_boundary_link<2>(const SimplexMesh<2>&, Index, int, std::vector<Index>&);
-extern template void collect_boundary_link<3>(const SimplexMesh<3>&, Index, int, std::vector<Index>&);
 
 }  // namespace selvage

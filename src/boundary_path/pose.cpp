@@ -182,46 +182,38 @@ void Pose<D>::examine_faces() {
 
 template <int D>
 void Pose<D>::find_overwound_interior_ridges() {
-  const auto& fans = topology_.fans;
-  defects_.overwound_interior_ridges = count_if_parallel(std::ssize(fans) - 1, [&](std::int64_t k) {
-    ComponentState& state = component_states_[topology_.component_of[fans[k].element]];
+  const auto& fans = topology_.interior_fans;
+  defects_.overwound_interior_ridges = count_if_parallel(fans.count(), [&](std::int64_t k) {
+    ComponentState& state = component_states_[topology_.component_of[fans.fans[k].element]];
     if (std::atomic_ref(state).load(std::memory_order_relaxed) == ComponentState::kInverted) return false;
-    if (!is_overwound(k)) return false;
+    // The last link vertex leads back to the first.
+    if (turns_once(fans.fans[k].ridge, fans.link(k).first(fans.link(k).size() - 1))) return false;
     std::atomic_ref(state).store(ComponentState::kOverwound, std::memory_order_relaxed);
     return true;
   });
 }
 
-template <int D>
-std::span<const Index> Pose<D>::link_of(std::int64_t fan) const {
-  const auto& fans = topology_.fans;
-  return {topology_.links.data() + fans[fan].first_link,
-          static_cast<std::size_t>(fans[fan + 1].first_link - fans[fan].first_link)};
-}
-
-/// With positive elements the link's second vertex is in the first half turn and its last in the second, so that a
-/// single turn means: first some on the one side, then the rest on the other. What plain arithmetic leaves open is
-/// decided exactly.
+/// Whether a link does not come around to the direction of its first vertex. With positive elements its second vertex
+/// is in the first half turn, so that this means: first some on the one side, then the rest on the other. What plain
+/// arithmetic leaves open is decided exactly.
 template <>
-bool Pose<3>::is_overwound(std::int64_t fan) const {
-  const auto& ridge = topology_.fans[fan].ridge;
-  const std::span<const Index> link = link_of(fan);
-  const Vec3 foot = positions_[ridge[0]], axis = positions_[ridge[1]] - foot, first = positions_[link[0]] - foot;
+bool Pose<3>::turns_once(const VertexTuple<2>& ridge, std::span<const Index> open_link) const {
+  const Vec3 foot = positions_[ridge[0]], axis = positions_[ridge[1]] - foot, first = positions_[open_link[0]] - foot;
   const Vec3 across = axis.cross(first);
   const double length = across.lpNorm<1>();
   bool sure = length > 1e-3 * axis.lpNorm<1>() * first.lpNorm<1>(), back = false;
-  for (std::size_t i = 2; sure && i + 1 < link.size(); ++i) {
-    const Vec3 arm = positions_[link[i]] - foot;
+  for (std::size_t i = 2; sure && i < open_link.size(); ++i) {
+    const Vec3 arm = positions_[open_link[i]] - foot;
     const double height = across.dot(arm);
     sure = std::abs(height) > 1e-12 * length * arm.lpNorm<1>() + 0x1p-900 && !(back && height > 0);
     back = height < 0;
   }
-  return !sure && count_turns<3>(positions_, ridge, link) > 0;
+  return sure || count_turns<3>(positions_, ridge, open_link) == 0;
 }
 
 template <>
-bool Pose<2>::is_overwound(std::int64_t fan) const {
-  return count_turns<2>(positions_, topology_.fans[fan].ridge, link_of(fan)) > 0;
+bool Pose<2>::turns_once(const VertexTuple<1>& ridge, std::span<const Index> open_link) const {
+  return count_turns<2>(positions_, ridge, open_link) == 0;
 }
 
 template <int D>
@@ -242,12 +234,14 @@ void Pose<D>::list_defects() {
     for (Index e = 0; e < mesh_.element_count(); ++e)
       if (component_states_[topology_.component_of[e]] == ComponentState::kInverted && orientation_of(e) <= 0)
         defect_places_.push_back({element_boxes_[e], topology_.component_of[e]});
-  const auto& fans = topology_.fans;
   if (defects_.overwound_interior_ridges > 0) {
-    for (std::size_t k = 0; k + 1 < fans.size(); ++k) {
-      const Index component = topology_.component_of[fans[k].element];
-      if (component_states_[component] == ComponentState::kOverwound && is_overwound(static_cast<std::int64_t>(k)))
-        defect_places_.push_back({box_of(fans[k].ridge), component});
+    const auto& fans = topology_.interior_fans;
+    for (std::int64_t k = 0; k < fans.count(); ++k) {
+      const auto& fan = fans.fans[k];
+      const Index component = topology_.component_of[fan.element];
+      if (component_states_[component] == ComponentState::kOverwound &&
+          !turns_once(fan.ridge, fans.link(k).first(fans.link(k).size() - 1)))
+        defect_places_.push_back({box_of(fan.ridge), component});
     }
   }
   std::vector<Box> boxes(defect_places_.size());
@@ -298,7 +292,7 @@ bool Pose<3>::is_boundary_vertex_injective(Index v, NormalCone& cone) const {
   return turns == 1;
 }
 
-/// The elements around the vertex turn by less than 2 pi.
+/// What is left to prove in the plane, that the elements turn by less than 2 pi, is seen to with the boundary ridges.
 template <>
 bool Pose<2>::is_boundary_vertex_injective(Index v, NormalCone& cone) const {
   const auto star = mesh_.vertex_boundary_faces(v);
@@ -307,43 +301,25 @@ bool Pose<2>::is_boundary_vertex_injective(Index v, NormalCone& cone) const {
   const Vec2 sum = normals[0] + normals[1];
   const Vec2 axis = sum.norm() > 0.1 ? Vec2(sum.normalized()) : normals[0];
   cone = cone_around(Vec3(axis[0], axis[1], 0), std::min(normals[0].dot(axis), normals[1].dot(axis)));
-  const int corner = mesh_.boundary_faces()[star[0]][0] == v ? 1 : 0;
-  std::vector<Index> link;
-  collect_boundary_link(mesh_, star[0], corner, link);
-  if (corner == 0) std::reverse(link.begin(), link.end());
-  return count_turns<2>(positions_, {v}, link) == 0;
+  return true;
 }
 
+/// Counts them, and withdraws the proof of the vertices at them.
 template <int D>
 void Pose<D>::find_overwound_boundary_ridges() {
-  std::atomic<std::int64_t> overwound{0};
-  parallel_ranges(mesh_.boundary_face_count(), kGrain, [&](std::int64_t first, std::int64_t last) {
-    std::vector<Index> link;
-    for (std::int64_t b = first; b < last; ++b) {
-      const Index face = static_cast<Index>(b);
-      if (component_states_[topology_.component_of[mesh_.boundary_owners()[b].element()]] == ComponentState::kInverted)
-        continue;
-      for (int k = 0; k < D; ++k) {
-        if (mesh_.boundary_neighbours()[b][k] < face) continue;
-        // The link turns counter-clockwise about the edge against the face's own order, and from the next vertex
-        // inward.
-        VertexTuple<D - 1> ridge;
-        const auto& f = mesh_.boundary_faces()[b];
-        if constexpr (D == 3)
-          ridge = {f[(k + 2) % 3], f[(k + 1) % 3]};
-        else
-          ridge = {f[1 - k]};
-        bool proven = false;
-        for (Index v : ridge) proven |= cullable_[v] != 0;
-        if (proven) continue;
-        collect_boundary_link(mesh_, face, k, link);
-        if (D == 2 && k == 0) std::reverse(link.begin(), link.end());
-        const int turns = count_turns<D>(positions_, ridge, link);
-        overwound += turns > 1 || (turns == 1 && !ends_where_it_began(positions_, ridge, link));
-      }
+  const auto& fans = topology_.boundary_fans;
+  defects_.overwound_boundary_ridges = count_if_parallel(fans.count(), [&](std::int64_t k) {
+    const auto& fan = fans.fans[k];
+    if (component_states_[topology_.component_of[fan.element]] == ComponentState::kInverted) return false;
+    const auto link = fans.link(k);
+    if (turns_once(fan.ridge, link)) return false;
+    for (Index v : fan.ridge) {
+      std::atomic_ref(cullable_[v]).store(0, std::memory_order_relaxed);
+      std::atomic_ref(normal_cones_[v].cosine).store(NormalCone::everything().cosine, std::memory_order_relaxed);
     }
+    // A slit of exactly 2 pi is legal.
+    return count_turns<D>(positions_, fan.ridge, link) > 1 || !ends_where_it_began(positions_, fan.ridge, link);
   });
-  defects_.overwound_boundary_ridges = overwound;
 }
 
 template class Pose<2>;

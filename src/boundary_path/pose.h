@@ -55,8 +55,7 @@ class Pose {
   void find_overwound_interior_ridges();
   void find_overwound_boundary_ridges();
   void list_defects();
-  std::span<const Index> link_of(std::int64_t fan) const;
-  bool is_overwound(std::int64_t fan) const;
+  bool turns_once(const VertexTuple<D - 1>& ridge, std::span<const Index> open_link) const;
   Box box_of(const VertexTuple<D - 1>& ridge) const;
   void prove_boundary_vertices();
   bool is_boundary_vertex_injective(Index v, NormalCone& cone) const;
@@ -81,9 +80,9 @@ class Pose {
 };
 
 template <>
-bool Pose<2>::is_overwound(std::int64_t fan) const;
+bool Pose<2>::turns_once(const VertexTuple<1>& ridge, std::span<const Index> open_link) const;
 template <>
-bool Pose<3>::is_overwound(std::int64_t fan) const;
+bool Pose<3>::turns_once(const VertexTuple<2>& ridge, std::span<const Index> open_link) const;
 template <>
 bool Pose<2>::is_boundary_vertex_injective(Index v, NormalCone& cone) const;
 template <>

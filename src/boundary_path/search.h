@@ -1,5 +1,6 @@
 #pragma once
 
+#include "boundary_path/boundary_corner.h"
 #include "boundary_path/candidate.h"
 #include "boundary_path/walk.h"
 #include "selvage/bvh/traverse.h"
@@ -25,8 +26,10 @@ class Search {
 
  private:
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  /// Bounds from blocked segments are good to six digits; they are widened by more.
-  static constexpr double kBoundSlack = 1 + 1e-5;
+  /// Distances that only bound the search are widened by more than their rounding.
+  static constexpr double kBoundSlack = 1 + 1e-9;
+  /// Bounds the error of WalkResult::left_at, with room to spare.
+  static constexpr double kLeftAtError = 1e-6;
 
   void set_safe_distance(bool own);
   unsigned keep(const BvhNode& node, Index place, unsigned children) const;
@@ -269,8 +272,8 @@ void Search<D>::test(const Candidate<D>& candidate) {
   else
     result = walk.follow(candidate, state_ == ComponentState::kImmersed && squared_bound() == kInfinity);
   if (result.valid) return accept(candidate);
-  if (candidate.target.count < D) blocked_[blocked_count_++ % kBlocked] = candidate.ids;
-  const double length = distance * result.left_at * kBoundSlack;
+  if (candidate.target.count < D && !walk.is_split(candidate)) blocked_[blocked_count_++ % kBlocked] = candidate.ids;
+  const double length = distance * (result.left_at + kLeftAtError) * kBoundSlack;
   if (result.left_through == kNone || is_excluded(result.left_through) || !(length < safe_distance_)) return;
   known_squared_ = std::min(known_squared_, length * length);
   reject_above_ = std::sqrt(squared_bound()) * kBoundSlack;
@@ -283,15 +286,17 @@ void Search<D>::accept(const Candidate<D>& candidate) {
   reject_above_ = std::sqrt(squared_bound()) * kBoundSlack;
 }
 
-/// The smallest boundary face that holds the candidate's feature.
+/// The smallest boundary face at the same corner of the material that has the same closest point: none that is left out
+/// or that comes closer behind the corner.
 template <int D>
 Index Search<D>::smallest_face(const Candidate<D>& candidate) const {
-  if (candidate.target.count == D) return candidate.face;
-  for (Index face : scene_.mesh->vertex_boundary_faces(candidate.ids[0])) {
-    const bool holds = candidate.target.count == 1 || contains(scene_.boundary_faces[face], candidate.ids[1]);
-    if (holds && !is_excluded(face)) return face;
-  }
-  return candidate.face;
+  Index smallest = candidate.face;
+  visit_feature<D>(scene_.boundary_faces, scene_.boundary_neighbours, candidate.face, candidate.ids,
+                   candidate.target.count, [&](Index face) {
+                     if (face >= smallest || is_excluded(face) || scene_.inverted_owner[face]) return;
+                     if (candidates_.make(face, candidates_.estimate(face)).ids == candidate.ids) smallest = face;
+                   });
+  return smallest;
 }
 
 }  // namespace SELVAGE_ISA

@@ -155,7 +155,7 @@ class Segment {
     return c;
   }
 
-  /// Whether parameter() is good to six digits: false where the line grazes the face.
+  /// Whether parameter() is good to 1e-7: false where the line grazes the face.
   bool sees_well(const Crossing& c, const Shadow (&face)[D]) const {
     double reach = std::abs(end_);
     for (int i = 0; i < D; ++i) reach = std::max(reach, face[i].reach);
@@ -198,7 +198,8 @@ class Segment {
     count_exact();
     FacePoints<D> points;
     for (int i = 0; i < D; ++i) points[i] = scene_.positions[face[i].vertex];
-    return -exact_.side_of_end(points);
+    // Beyond the face is its positive side in space, and its negative one in the plane.
+    return D == 3 ? -exact_.side_of_end(points) : exact_.side_of_end(points);
   }
 
   const ExactSegment<D>& exact() const { return exact_; }

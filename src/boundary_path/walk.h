@@ -9,8 +9,8 @@ inline namespace SELVAGE_ISA {
 /// What following a segment through the mesh has shown.
 struct WalkResult {
   bool valid = false;
-  /// Where the segment is known to leave the mesh through a boundary face, or kNone, and the parameter of the crossing
-  /// to six digits at least: 0 at p, 1 at s.
+  /// Where the segment is known to leave the mesh through a boundary face, or kNone, and the parameter of the crossing,
+  /// to within 1e-7: 0 at p, 1 at s.
   Index left_through = kNone;
   double left_at = 0;
 };
@@ -60,6 +60,8 @@ class Walk {
   /// Whether p, as a point of its element, lies on the boundary face, where the face contains p.
   bool is_on(Index face) const;
 
+  bool is_split(const Candidate<D>& candidate) const;
+
  private:
   using Shadow = typename Segment<D>::Shadow;
 
@@ -71,6 +73,7 @@ class Walk {
   };
 
   KernelVector<Index> elements_at_point() const;
+  bool face_holds_point(Index element, int face) const;
   bool line_passes(const Segment<D>& segment, Index element, int face) const;
   bool contains_target(Index element, const Candidate<D>& candidate) const;
   bool find_first_gate(const Segment<D>& segment, Gate& gate) const;
@@ -92,9 +95,20 @@ class Walk {
   PathCounters* counters_;
 };
 
+/// Where several corners of the material meet in the target, each of their faces is a target of its own.
+template <int D>
+bool Walk<D>::is_split(const Candidate<D>& candidate) const {
+  if (candidate.target.count == D) return false;
+  for (int i = 0; i < candidate.target.count; ++i)
+    if (!scene_.is_split[candidate.ids[i]]) return false;
+  return true;
+}
+
+/// Whether s, as a point of the candidate's face, belongs to the element; of a split target, whether it is the owner.
 template <int D>
 bool Walk<D>::contains_target(Index element, const Candidate<D>& candidate) const {
-  if (candidate.target.count == D) return element == scene_.boundary_owners[candidate.face].element();
+  if (candidate.target.count == D || is_split(candidate))
+    return element == scene_.boundary_owners[candidate.face].element();
   const auto& vertices = scene_.elements[element];
   for (int i = 0; i < candidate.target.count; ++i)
     if (!contains(vertices, candidate.ids[i])) return false;
@@ -174,7 +188,8 @@ WalkResult Walk<D>::follow(const Candidate<D>& candidate, bool go_on) const {
   const Segment<D> segment(scene_, query_.point, candidate,
                            counters_ != nullptr ? &counters_->exact_decisions : nullptr);
   Gate gate;
-  if (!strictly_inside_ || !find_first_gate(segment, gate)) return {connects_exactly(segment, candidate)};
+  if (!strictly_inside_ || is_split(candidate) || !find_first_gate(segment, gate))
+    return {connects_exactly(segment, candidate)};
   bool passed = false;
   for (;;) {
     const auto crossing = segment.crossing(gate.corners);
@@ -232,14 +247,30 @@ KernelVector<Index> Walk<D>::elements_at_point() const {
   for (std::size_t k = 0; k < elements.size(); ++k) {
     std::array<Vec<D>, D + 1> corners;
     for (int i = 0; i <= D; ++i) corners[i] = scene_.positions[scene_.elements[elements[k]][i]];
-    const Containment at = locate_in_simplex<D>(corners, query_.point);
+    const bool is_flat = orientation(corners) == 0;
+    const unsigned on_faces = is_flat ? 0 : locate_in_simplex<D>(corners, query_.point).zero_mask;
     for (int i = 0; i <= D; ++i) {
       const Index next = scene_.neighbours[elements[k]][i];
-      if (!(at.zero_mask >> i & 1) || next < 0) continue;
-      if (!contains(elements, HalfFace{next}.element())) elements.push_back(HalfFace{next}.element());
+      if (next < 0 || contains(elements, HalfFace{next}.element())) continue;
+      if (is_flat ? face_holds_point(elements[k], i) : (on_faces >> i & 1) != 0)
+        elements.push_back(HalfFace{next}.element());
     }
   }
   return elements;
+}
+
+/// Whether p lies exactly on a face, which may be one of a flat element.
+template <int D>
+bool Walk<D>::face_holds_point(Index element, int face) const {
+  const FacePoints<D> points = face_points(element, face);
+  const unsigned mask = exact_closest_mask(query_.point, points);
+  TargetSimplex<D> target;
+  for (int i = 0; i < D; ++i)
+    if (mask >> i & 1) target.vertices[target.count++] = points[i];
+  const Vec<D> offset = precise_offset<D>(query_.point, target).offset;
+  for (int i = 0; i < D; ++i)
+    if (offset[i] != 0) return false;
+  return true;
 }
 
 /// Whether the whole line through p and s meets face i of an element, not too far from s.
