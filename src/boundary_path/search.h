@@ -202,11 +202,14 @@ void Search<D>::consider(Index face) {
   }
 }
 
-/// Farther than the answer or, just as far, on a face with a larger index.
+/// Farther than the answer. Of candidates that are equally far in double precision the one inside the larger feature is
+/// taken, which is a rounding away from the other (and which culling would leave), then the one on the smaller face.
 template <int D>
 bool Search<D>::is_worse(const Candidate<D>& candidate) const {
   if (candidate.squared_distance != squared_bound()) return candidate.squared_distance > squared_bound();
-  return candidate.squared_distance == best_squared_ && smallest_face(candidate) >= smallest_face(best_);
+  if (candidate.squared_distance != best_squared_) return false;
+  if (candidate.target.count != best_.target.count) return candidate.target.count < best_.target.count;
+  return smallest_face(candidate) >= smallest_face(best_);
 }
 
 template <int D>
