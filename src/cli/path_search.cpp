@@ -9,7 +9,7 @@ namespace selvage::cli {
 
 namespace {
 
-constexpr std::size_t kVisibleBatch = 1 << 15;  // queries between two looks of the progress bar
+constexpr std::size_t kVisibleBatch = 1 << 12;  // queries between two looks of the progress bar
 
 template <int D>
 Vec3 in_space(const Vec<D>& v) {

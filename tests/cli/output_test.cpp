@@ -1,0 +1,163 @@
+#include "cli/output.h"
+
+#include "cli/console.h"
+#include "cli/program.h"
+#include "selvage/core/error.h"
+
+#include <pty.h>
+
+namespace selvage::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::read_text;
+using testing::write_text;
+
+class OutputTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = (fs::temp_directory_path() / "selvage-output-XXXXXX").string();
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::size_t file_count() const {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(OutputTest, FilesAppearWithTheCommit) {
+  OutputFiles outputs;
+  outputs.expect(path("a.csv"));
+  outputs.expect(path("b.json"));
+  outputs.write_text(path("a.csv"), "a");
+  outputs.write_text(path("b.json"), "b");
+  EXPECT_FALSE(fs::exists(path("a.csv")));
+  outputs.commit();
+  EXPECT_EQ(read_text(path("a.csv")), "a");
+  EXPECT_EQ(read_text(path("b.json")), "b");
+  EXPECT_EQ(file_count(), 2u);
+}
+
+TEST_F(OutputTest, NothingStaysWithoutTheCommit) {
+  write_text(path("a.csv"), "old");
+  {
+    OutputFiles outputs;
+    outputs.expect(path("a.csv"));
+    outputs.write_text(path("a.csv"), "new");
+    write_text(outputs.stage(path("c.vtu")), "lines");
+    EXPECT_EQ(file_count(), 3u);
+  }
+  EXPECT_EQ(read_text(path("a.csv")), "old");
+  EXPECT_EQ(file_count(), 1u);
+}
+
+TEST_F(OutputTest, StagedFileKeepsFolderAndExtension) {
+  OutputFiles outputs;
+  const fs::path staged = outputs.stage(path("lines.vtu"));
+  EXPECT_EQ(staged.parent_path(), folder_);
+  EXPECT_EQ(staged.extension(), ".vtu");
+  EXPECT_NE(staged.filename(), "lines.vtu");
+  EXPECT_NE(outputs.stage(path("lines.vtu")), staged);
+}
+
+TEST_F(OutputTest, FailedCommitLeavesNoTemporaryFile) {
+  {
+    OutputFiles outputs;
+    outputs.expect(path("a.csv"));
+    outputs.write_text(path("a.csv"), "a");
+    fs::create_directories(path("a.csv") + "/in the way");
+    EXPECT_THROW(outputs.commit(), Failure);
+  }
+  EXPECT_EQ(file_count(), 1u);
+}
+
+TEST_F(OutputTest, PlacesThatCannotWorkAreRefusedAtOnce) {
+  OutputFiles outputs;
+  fs::create_directory(path("folder"));
+  EXPECT_THROW(outputs.expect(path("none/a.csv")), Error);
+  EXPECT_THROW(outputs.expect(path("folder")), Error);
+  EXPECT_THROW(outputs.expect(path("mesh.t"), {path("folder/../mesh.t")}), Error);
+  outputs.expect(path("a.csv"));
+  EXPECT_THROW(outputs.expect(path("./a.csv")), Error);
+  outputs.expect("");
+  outputs.expect("");
+  EXPECT_FALSE(outputs.uses_standard_output());
+  outputs.expect("-");
+  EXPECT_TRUE(outputs.uses_standard_output());
+  EXPECT_THROW(outputs.expect("-"), Error);
+}
+
+TEST_F(OutputTest, LinkToAnInputIsTheInput) {
+  write_text(path("mesh.t"), "mesh");
+  fs::create_symlink(path("mesh.t"), path("link.t"));
+  OutputFiles outputs;
+  EXPECT_THROW(outputs.expect(path("link.t"), {path("mesh.t")}), Error);
+}
+
+TEST(Console, CountsAreGrouped) {
+  EXPECT_EQ(grouped(0), "0");
+  EXPECT_EQ(grouped(999), "999");
+  EXPECT_EQ(grouped(1000), "1,000");
+  EXPECT_EQ(grouped(1234567), "1,234,567");
+  EXPECT_EQ(grouped(-123), "-123");
+  EXPECT_EQ(grouped(-1234), "-1,234");
+}
+
+TEST(Console, SecondsHaveTheirUnit) {
+  EXPECT_EQ(readable_seconds(12.345), "12.35 s");
+  EXPECT_EQ(readable_seconds(0.0123), "12.3 ms");
+  EXPECT_EQ(readable_seconds(4.5e-6), "4.5 us");
+}
+
+TEST(Console, StopwatchKeepsThePhasesInOrder) {
+  Stopwatch watch;
+  watch.lap("b");
+  watch.lap("a");
+  ASSERT_EQ(watch.laps().size(), 2u);
+  EXPECT_EQ(watch.laps()[0].first, "b");
+  EXPECT_NEAR(watch.total(), watch.laps()[0].second + watch.laps()[1].second, 1e-9);
+}
+
+/// What a progress bar writes while standard error is `descriptor`.
+std::string bar_output(int descriptor, int readable, bool quiet) {
+  const int saved = dup(STDERR_FILENO);
+  dup2(descriptor, STDERR_FILENO);
+  {
+    ProgressBar bar("work", quiet);
+    bar.show(0.1);  // too early to be worth a word
+    usleep(550000);
+    bar.show(0.5);
+  }
+  dup2(saved, STDERR_FILENO);
+  close(saved);
+  if (write(descriptor, "\n", 1) != 1) return "cannot write";
+  std::string text(1000, ' ');
+  text.resize(std::max<ssize_t>(0, read(readable, text.data(), text.size())));
+  return text;
+}
+
+TEST(Console, ProgressBarIsForTerminalsOnly) {
+  int terminal = -1, other_end = -1;
+  ASSERT_EQ(openpty(&other_end, &terminal, nullptr, nullptr, nullptr), 0);
+  const std::string seen = bar_output(terminal, other_end, false);
+  EXPECT_NE(seen.find("work ["), std::string::npos) << seen;
+  EXPECT_NE(seen.find(" 50%"), std::string::npos) << seen;
+  EXPECT_EQ(seen.find(" 10%"), std::string::npos) << seen;
+  EXPECT_NE(seen.find("\033[K"), std::string::npos) << "the bar is wiped at the end";
+  EXPECT_EQ(bar_output(terminal, other_end, true), "\r\n");
+  close(terminal);
+  close(other_end);
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
+  EXPECT_EQ(bar_output(ends[1], ends[0], false), "\n");
+  close(ends[0]);
+  close(ends[1]);
+}
+
+}  // namespace
+}  // namespace selvage::cli
