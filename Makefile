@@ -94,5 +94,5 @@ clean:
 help:
 	@sed -n 's/^## /make /p' $(MAKEFILE_LIST)
 
-.PHONY: demo cli test test-long build-tests sanitize sanitize-memory sanitize-threads fuzz bench docs format check-format lint install \
-        clean help
+.PHONY: demo cli test test-long build-tests sanitize sanitize-memory sanitize-threads fuzz bench docs format check-format \
+        lint install clean help
