@@ -109,7 +109,9 @@ TEST_F(MakeTest, FailureLeavesNothingAndTouchesNothing) {
 }
 
 TEST_F(MakeTest, TooLittleMemoryIsAFailureOfTheComputation) {
-  if (SELVAGE_SANITIZED) GTEST_SKIP() << "a sanitizer needs the address space";
+#ifdef SELVAGE_SANITIZED
+  GTEST_SKIP() << "a sanitizer needs the address space";
+#endif
   const Outcome outcome = run("make box --cell 0.0025 --threads 1 -o box.t", "ulimit -v 500000");
   EXPECT_EQ(outcome.status, 3) << outcome.err;
   EXPECT_EQ(lines_of(outcome.err).size(), 1u) << outcome.err;
