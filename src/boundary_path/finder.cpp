@@ -24,6 +24,18 @@ PathCounters& PathCounters::operator+=(const PathCounters& other) {
   return *this;
 }
 
+namespace {
+
+/// Without under- or overflow, and the same bits wherever the vector lies in memory (Eigen's stableNorm is not).
+double length_of(const Vec2& x) {
+  return std::hypot(x[0], x[1]);
+}
+double length_of(const Vec3& x) {
+  return std::hypot(x[0], x[1], x[2]);
+}
+
+}  // namespace
+
 void append_found(std::vector<PointInElement>& found, PointInElement pair) {
   found.push_back(pair);
 }
@@ -148,7 +160,7 @@ Vec<D> BoundaryPathFinder<D>::State::normal_at(Index face, const PathResult<D>& 
                      total += pose.measured_normal(other).norm();
                    });
   if (!(normal.norm() > 1e-12 * total)) normal = pose.measured_normal(face);
-  const double length = normal.stableNorm();
+  const double length = length_of(normal);
   return length > 0 ? Vec<D>(normal / length) : normal;
 }
 
@@ -169,7 +181,7 @@ BoundaryPath<D> BoundaryPathFinder<D>::State::describe(const PathTask<D>& task, 
         result.barycentric[i];
   path.point = from_scene(result.target_count == 1 ? pose.positions()[result.target_vertices[0]]
                                                    : Vec<D>(task.query.point + result.offset));
-  path.distance = std::ldexp(result.offset.stableNorm(), pose.exponent());
+  path.distance = std::ldexp(length_of(result.offset), pose.exponent());
   path.normal = normal_at(result.face, result);
   return path;
 }

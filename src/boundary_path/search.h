@@ -38,6 +38,7 @@ class Search {
   void test(const Candidate<D>& candidate);
   void test_touching(const Candidate<D>& candidate);
   void accept(const Candidate<D>& candidate);
+  void settle();
   bool is_excluded(Index face) const;
   bool is_new(Index face);
   bool was_blocked(const Candidate<D>& candidate) const;
@@ -111,6 +112,7 @@ PathResult<D> Search<D>::run() {
   if (counters_ != nullptr) counters_->volumes_visited += volumes;
 
   if (best_squared_ == kInfinity) return result;
+  settle();
   result.status = PathStatus::kFound;
   result.face = smallest_face(best_);
   result.target_count = best_.target.count;
@@ -195,7 +197,7 @@ void Search<D>::consider(Index face) {
     const Candidate<D> candidate = candidates_.make(face, estimate);
     if (is_worse(candidate) || was_blocked(candidate)) return;
     if (is_zero(candidate.offset)) return test_touching(candidate);
-    const Index closer = closer_neighbour(candidate);
+    const Index closer = scene_.options.cull_infeasible_regions ? closer_neighbour(candidate) : kNone;
     if (closer == kNone) return test(candidate);
     if (counters_ != nullptr) ++counters_->culled;
     face = closer;
@@ -224,7 +226,7 @@ bool Search<D>::was_blocked(const Candidate<D>& candidate) const {
 /// section 3.6). kNone when there is none, when rounding leaves a doubt, or when the argument does not hold there.
 template <int D>
 Index Search<D>::closer_neighbour(const Candidate<D>& candidate) const {
-  if (!scene_.options.cull_infeasible_regions || candidate.target.count == D) return kNone;
+  if (candidate.target.count == D) return kNone;
   if (!(std::sqrt(candidate.squared_distance) < safe_distance_)) return kNone;
   const auto comes_closer = [&](Index from, Index to) {
     const Vec<D>&a = scene_.positions[from], &b = scene_.positions[to];
@@ -287,6 +289,20 @@ void Search<D>::accept(const Candidate<D>& candidate) {
   best_ = candidate;
   best_squared_ = candidate.squared_distance;
   reject_above_ = std::sqrt(squared_bound()) * kBoundSlack;
+}
+
+/// A rounding may have made an infeasible candidate win over the closer one beside it. Culling would have led to that
+/// one.
+template <int D>
+void Search<D>::settle() {
+  constexpr int kMostSteps = 16;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const Index closer = closer_neighbour(best_);
+    if (closer == kNone || is_zero(best_.offset)) return;
+    const Candidate<D> candidate = candidates_.make(closer, candidates_.estimate(closer));
+    if (candidate.squared_distance > best_squared_ * kBoundSlack) return;
+    best_ = candidate;
+  }
 }
 
 /// The smallest boundary face at the same corner of the material that has the same closest point: none that is left out
