@@ -39,6 +39,10 @@ class Search {
   void test_touching(const Candidate<D>& candidate);
   void accept(const Candidate<D>& candidate);
   void settle();
+  /// Whether the candidate is so far that its path may meet inverted elements.
+  bool follows_inverted_rules(const Candidate<D>& candidate) const {
+    return state_ == ComponentState::kInverted && !(std::sqrt(candidate.squared_distance) < defect_distance_);
+  }
   bool is_excluded(Index face) const;
   bool is_new(Index face);
   bool was_blocked(const Candidate<D>& candidate) const;
@@ -216,7 +220,7 @@ bool Search<D>::is_worse(const Candidate<D>& candidate) const {
 
 template <int D>
 bool Search<D>::was_blocked(const Candidate<D>& candidate) const {
-  if (candidate.target.count == D) return false;
+  if (candidate.target.count == D || follows_inverted_rules(candidate)) return false;
   for (int i = 0; i < std::min(blocked_count_, kBlocked); ++i)
     if (blocked_[i] == candidate.ids) return true;
   return false;
@@ -272,7 +276,7 @@ void Search<D>::test(const Candidate<D>& candidate) {
   const Walk<D> walk(scene_, query_, strictly_inside_, counters_);
   const double distance = std::sqrt(candidate.squared_distance);
   WalkResult result;
-  if (state_ == ComponentState::kInverted && !(distance < defect_distance_))
+  if (follows_inverted_rules(candidate))
     result.valid = walk.follow_backwards(candidate);
   else
     result = walk.follow(candidate, state_ == ComponentState::kImmersed && squared_bound() == kInfinity);
@@ -310,6 +314,7 @@ void Search<D>::settle() {
 template <int D>
 Index Search<D>::smallest_face(const Candidate<D>& candidate) const {
   Index smallest = candidate.face;
+  if (follows_inverted_rules(candidate)) return smallest;  // each face has a path of its own
   visit_feature<D>(scene_.boundary_faces, scene_.boundary_neighbours, candidate.face, candidate.ids,
                    candidate.target.count, [&](Index face) {
                      if (face >= smallest || is_excluded(face) || scene_.inverted_owner[face]) return;
