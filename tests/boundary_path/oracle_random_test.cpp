@@ -46,7 +46,7 @@ TYPED_TEST(OracleRandom, DoublesWithMarginsAgreeWithRationals) {
       EXPECT_NEAR(fast.distance, slow.distance, 1e-14 * slow.distance) << family.name << " query " << i;
     });
   }
-  EXPECT_GT(compared, 500);
+  EXPECT_GT(compared, test::scaled(500));
   EXPECT_GT(found, compared / 2);
 }
 
