@@ -75,6 +75,7 @@ class Walk {
   KernelVector<Index> elements_at_point() const;
   bool face_holds_point(Index element, int face) const;
   bool line_passes(const Segment<D>& segment, Index element, int face) const;
+  bool is_at_corner(Index element, const Candidate<D>& candidate) const;
   bool contains_target(Index element, const Candidate<D>& candidate) const;
   bool find_first_gate(const Segment<D>& segment, Gate& gate) const;
   bool pass_gate(const Segment<D>& segment, Index next, Gate& gate) const;
@@ -104,15 +105,31 @@ bool Walk<D>::is_split(const Candidate<D>& candidate) const {
   return true;
 }
 
-/// Whether s, as a point of the candidate's face, belongs to the element; of a split target, whether it is the owner.
+/// Whether the element has all vertices of the candidate's feature; of a whole face, whether it is the owner.
 template <int D>
 bool Walk<D>::contains_target(Index element, const Candidate<D>& candidate) const {
-  if (candidate.target.count == D || is_split(candidate))
-    return element == scene_.boundary_owners[candidate.face].element();
-  const auto& vertices = scene_.elements[element];
+  if (candidate.target.count == D) return element == scene_.boundary_owners[candidate.face].element();
   for (int i = 0; i < candidate.target.count; ++i)
-    if (!contains(vertices, candidate.ids[i])) return false;
+    if (!contains(scene_.elements[element], candidate.ids[i])) return false;
   return true;
+}
+
+/// Whether an element that has the candidate's feature belongs to the same corner of the material as the face's owner:
+/// they hang together across faces that have the feature.
+template <int D>
+bool Walk<D>::is_at_corner(Index element, const Candidate<D>& candidate) const {
+  const Index owner = scene_.boundary_owners[candidate.face].element();
+  if (element == owner || !is_split(candidate)) return true;
+  KernelVector<Index> reached{element};
+  for (std::size_t k = 0; k < reached.size(); ++k) {
+    for (int i = 0; i <= D; ++i) {
+      const Index next = scene_.neighbours[reached[k]][i];
+      if (next < 0 || contains(candidate.ids, scene_.elements[reached[k]][i])) continue;
+      if (HalfFace{next}.element() == owner) return true;
+      if (!contains(reached, HalfFace{next}.element())) reached.push_back(HalfFace{next}.element());
+    }
+  }
+  return false;
 }
 
 /// Finds the face through which the segment leaves p's element. False when it runs exactly through an edge or a vertex.
@@ -184,12 +201,11 @@ template <int D>
 WalkResult Walk<D>::follow(const Candidate<D>& candidate, bool go_on) const {
   if (counters_ != nullptr) ++counters_->traversals;
   count_element();
-  if (contains_target(query_.element, candidate)) return {true};
+  if (contains_target(query_.element, candidate) && is_at_corner(query_.element, candidate)) return {true};
   const Segment<D> segment(scene_, query_.point, candidate,
                            counters_ != nullptr ? &counters_->exact_decisions : nullptr);
   Gate gate;
-  if (!strictly_inside_ || is_split(candidate) || !find_first_gate(segment, gate))
-    return {connects_exactly(segment, candidate)};
+  if (!strictly_inside_ || !find_first_gate(segment, gate)) return {connects_exactly(segment, candidate)};
   bool passed = false;
   for (;;) {
     const auto crossing = segment.crossing(gate.corners);
@@ -204,7 +220,8 @@ WalkResult Walk<D>::follow(const Candidate<D>& candidate, bool go_on) const {
       return {false, segment.sees_well(crossing, gate.corners) ? ~next : kNone,
               segment.parameter(crossing, gate.corners)};
     count_element();
-    if (!passed && contains_target(HalfFace{next}.element(), candidate)) return {true};
+    if (!passed && contains_target(HalfFace{next}.element(), candidate))
+      return {is_at_corner(HalfFace{next}.element(), candidate)};
     if (!pass_gate(segment, next, gate)) return {passed ? false : connects_exactly(segment, candidate)};
   }
 }
@@ -218,7 +235,7 @@ bool Walk<D>::connects_exactly(const Segment<D>& segment, const Candidate<D>& ca
   while (!pending.empty()) {
     const Index element = pending.back();
     pending.pop_back();
-    if (contains_target(element, candidate)) return true;
+    if (contains_target(element, candidate) && is_at_corner(element, candidate)) return true;
     for (int i = 0; i <= D; ++i) {
       const Index next = scene_.neighbours[element][i];
       if (next < 0) continue;
