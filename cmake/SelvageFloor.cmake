@@ -3,12 +3,12 @@
 # Settings that every target of the project shares.
 add_library(selvage_settings INTERFACE)
 target_compile_features(selvage_settings INTERFACE cxx_std_20)
-# The same bits from every instruction set: no fused multiply-add unless the source says so.
 # GCC's straight-line vectorizer (12.2 at least) drops the rounding of a double to float and back, on which every box
 # that is rounded outward depends.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(selvage_settings INTERFACE -fno-tree-slp-vectorize)
 endif()
+# The same bits from every instruction set: no fused multiply-add unless the source says so.
 target_compile_options(selvage_settings INTERFACE -ffp-contract=off -Wall -Wextra -Wshadow -Wpedantic)
 if(SELVAGE_WARNINGS_AS_ERRORS)
   target_compile_options(selvage_settings INTERFACE -Werror)
@@ -26,10 +26,6 @@ endif()
 function(selvage_floor name)
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   list(FILTER sources EXCLUDE REGEX "_kernel\\.cpp$")
-  if(NOT sources)
-    file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/empty.cpp "")
-    set(sources ${CMAKE_CURRENT_BINARY_DIR}/empty.cpp)
-  endif()
   add_library(selvage_${name} OBJECT ${sources})
   set_target_properties(selvage_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   target_include_directories(selvage_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
