@@ -6,9 +6,18 @@
 
 namespace selvage::format {
 
+namespace {
+
+/// first + place, wrapping around at the end of the range.
+std::int64_t number_at(std::int64_t first, std::int64_t place) {
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(first) + static_cast<std::uint64_t>(place));
+}
+
+}  // namespace
+
 void VertexNumbers::add_out_of_order(std::int64_t number) {
   if (sorted_.empty()) {
-    for (std::int64_t i = 0; i < count_; ++i) sorted_.push_back({first_ + i, static_cast<Index>(i)});
+    for (std::int64_t i = 0; i < count_; ++i) sorted_.push_back({number_at(first_, i), static_cast<Index>(i)});
   }
   sorted_.push_back({number, static_cast<Index>(count_++)});
 }
@@ -40,7 +49,7 @@ Index VertexNumbers::find_out_of_order(std::int64_t number) const {
 std::string VertexNumbers::describe() const {
   if (count_ == 0) return "the file has no vertices before it";
   if (!sorted_.empty()) return fmt::format("{} other vertices are defined", count_);
-  return fmt::format("vertices are numbered {} to {}", first_, first_ + count_ - 1);
+  return fmt::format("vertices are numbered {} to {}", first_, number_at(first_, count_ - 1));
 }
 
 void ElementCollector::add_polygon(std::span<const Index> polygon) {

@@ -143,7 +143,8 @@ std::string bar_output(int descriptor, int readable, bool quiet) {
 
 TEST(Console, ProgressBarIsForTerminalsOnly) {
   int terminal = -1, other_end = -1;
-  ASSERT_EQ(openpty(&other_end, &terminal, nullptr, nullptr, nullptr), 0);
+  if (openpty(&other_end, &terminal, nullptr, nullptr, nullptr) != 0)
+    GTEST_SKIP() << "there are no pseudo-terminals here";
   const std::string seen = bar_output(terminal, other_end, false);
   EXPECT_NE(seen.find("work ["), std::string::npos) << seen;
   EXPECT_NE(seen.find(" 50%"), std::string::npos) << seen;
