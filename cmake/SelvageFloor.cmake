@@ -20,6 +20,10 @@ if(SELVAGE_SANITIZE)
   target_compile_options(selvage_settings INTERFACE -fsanitize=${SELVAGE_SANITIZE} -fno-omit-frame-pointer
                          -fno-sanitize-recover=all)
   target_link_options(selvage_settings INTERFACE -fsanitize=${SELVAGE_SANITIZE})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+    # These make GCC take twice as long; the address sanitizer and the fuzz targets (clang, everything) stand in.
+    target_compile_options(selvage_settings INTERFACE -fno-sanitize=null,alignment,object-size,vptr)
+  endif()
 endif()
 
 # selvage_floor(NAME [LOWER...]): the floor in the current folder, made of every .cpp in it (kernels excepted).
