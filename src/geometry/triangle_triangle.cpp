@@ -1,7 +1,9 @@
 #include "selvage/geometry/triangle_triangle.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "geometry/exact_integer.h"
 #include "geometry/flat_contact.h"
 #include "selvage/geometry/predicates.h"
 
@@ -81,6 +83,75 @@ TriangleContact classify(const Triangle& a, const Triangle& b, const Heights& he
   return interiors_meet ? TriangleContact::kCrossing : TriangleContact::kTouching;
 }
 
+/// How far from p to q the plane of the triangle is, between p and q, which lie on different sides of it.
+double exact_way_to_plane(const Vec3& p, const Vec3& q, const Triangle& triangle) {
+  using boost::multiprecision::cpp_int, boost::multiprecision::cpp_rational;
+  const std::array<Vec3, 5> points{triangle[0], triangle[1], triangle[2], p, q};
+  std::array<double, 15> values;
+  for (int i = 0; i < 15; ++i) values[i] = points[i / 3][i % 3];
+  std::array<ExactInt, 15> integers;
+  to_common_integers(values, integers);
+  const auto x = [&](int point, int k) { return integers[3 * point + k % 3] - integers[k % 3]; };
+  ExactInt heights[2]{};
+  for (int k = 0; k < 3; ++k) {
+    const ExactInt normal = x(1, k + 1) * x(2, k + 2) - x(1, k + 2) * x(2, k + 1);
+    for (int i = 0; i < 2; ++i) heights[i] += normal * x(3 + i, k);
+  }
+  const ExactInt p_height = abs(heights[0]), q_height = abs(heights[1]);
+  return cpp_rational(cpp_int(p_height), cpp_int(p_height + q_height)).convert_to<double>();
+}
+
+/// Where the segment from p to q meets the plane of the triangle; its ends are not both on the plane nor on one side.
+Vec3 cut_by_plane(const Vec3& p, const Vec3& q, const Triangle& triangle) {
+  const Triangle ends{p, q, q};
+  const Heights heights = detail::heights_over(triangle, ends);
+  const Signs signs = sides_of(triangle, ends, heights);
+  if (signs[0] == 0) return p;
+  if (signs[1] == 0) return q;
+  const double drop = heights.value[0] - heights.value[1];
+  constexpr double kLargestError = 0x1p-42;  // of the way; the two heights together make three times as much
+  const bool accurate = heights.error < kLargestError * std::abs(drop);
+  const double way = accurate ? heights.value[0] / drop : exact_way_to_plane(p, q, triangle);
+  return (1 - way) * p + way * q;
+}
+
+using Segment = std::array<Vec3, 2>;
+
+/// The common points of a facing pair that meets.
+Segment common_segment(const FacingPair& pair) {
+  const auto cut_a = [&](int i) { return cut_by_plane(pair.a[0], pair.a[i], pair.b); };
+  const auto cut_b = [&](int i) { return cut_by_plane(pair.b[0], pair.b[i], pair.a); };
+  for (int i = 1; i <= 2; ++i) {
+    if (compare_on_line(pair, i, i) != 0) continue;
+    const Vec3 point = cut_a(i);
+    return {point, point};
+  }
+  return {compare_on_line(pair, 1, 2) < 0 ? cut_b(2) : cut_a(1), compare_on_line(pair, 2, 1) < 0 ? cut_a(2) : cut_b(1)};
+}
+
+/// The common points of two triangles that touch in one plane, or of a segment and a triangle across it. In one plane,
+/// where a line parts the two, these are common points of an edge or vertex of either: its ends are vertices.
+Segment common_flat_segment(const Triangle& a, const Triangle& b) {
+  std::array<Vec3, 6> common;
+  auto end = common.begin();
+  for (const Vec3& vertex : a)
+    if (triangle_contains(b, vertex)) *end++ = vertex;
+  for (const Vec3& vertex : b)
+    if (triangle_contains(a, vertex)) *end++ = vertex;
+  if (end != common.begin()) {
+    const auto [low, high] = std::minmax_element(common.begin(), end, [](const Vec3& p, const Vec3& q) {
+      return std::lexicographical_compare(p.begin(), p.end(), q.begin(), q.end());
+    });
+    return {*low, *high};
+  }
+  const bool a_is_pierced = sides_of(a, b, detail::heights_over(a, b)) != Signs{};
+  const Triangle &triangle = a_is_pierced ? a : b, &segment = a_is_pierced ? b : a;
+  const Signs signs = sides_of(triangle, segment, detail::heights_over(triangle, segment));
+  const auto [low, high] = std::minmax_element(signs.begin(), signs.end());
+  const Vec3 point = cut_by_plane(segment[low - signs.begin()], segment[high - signs.begin()], triangle);
+  return {point, point};
+}
+
 /// The triangle as two segments from vertex 0, where this vertex lies on the opposite edge.
 std::array<Triangle, 2> split_at_first_vertex(const Triangle& t) {
   return {Triangle{t[0], t[1], t[1]}, Triangle{t[0], t[2], t[2]}};
@@ -106,6 +177,15 @@ bool flat_pair_meets_beyond_vertex(const Triangle& a, const Triangle& b) {
 
 TriangleContact classify_contact(const Triangle& a, const Triangle& b) {
   return classify(a, b, detail::heights_over(b, a), detail::heights_over(a, b));
+}
+
+std::optional<Segment> intersection_segment(const Triangle& a, const Triangle& b) {
+  const Heights heights_of_a = detail::heights_over(b, a), heights_of_b = detail::heights_over(a, b);
+  const TriangleContact contact = classify(a, b, heights_of_a, heights_of_b);
+  if (contact == TriangleContact::kDisjoint || contact == TriangleContact::kCoplanarOverlap) return std::nullopt;
+  const Signs of_a = sides_of(b, a, heights_of_a), of_b = sides_of(a, b, heights_of_b);
+  if (of_a == Signs{} || of_b == Signs{}) return common_flat_segment(a, b);
+  return common_segment(face_each_other(a, b, of_a, of_b));
 }
 
 namespace detail {

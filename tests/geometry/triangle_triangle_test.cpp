@@ -161,7 +161,7 @@ TEST(TriangleContact, EqualsTheDefinitionOnMixedMagnitudes) {
 TEST(TriangleContact, IsTheSameForEveryOrderOfVertices) {
   RandomSource random(6);
   std::int64_t different = 0;
-  for (std::int64_t n = 0; n < scaled(3'000); ++n) {
+  for (std::int64_t n = 0; n < scaled(5'000); ++n) {
     const LatticePair lattice = random_pair(random, 2);
     Triangle a = to_triangle(lattice.a, 0x1p-4), b = to_triangle(lattice.b, 0x1p-4);
     if (n % 2 == 0) {
@@ -261,6 +261,105 @@ TEST(MeetBeyondEdge, EqualsTheDefinitionOnDoubles) {
               test::meet_beyond_edge_by_definition<test::Wide>({exact[0], exact[1], exact[2]},
                                                                {exact[3], exact[4], exact[5]}))
         << n;
+  }
+}
+
+using test::Rational;
+using test::operator-;
+using RationalVec = test::ExactVec<Rational>;
+using RationalTriangle = ExactTriangle<Rational>;
+
+/// x is a vertex, between two, or inside.
+bool contains(const RationalTriangle& t, const RationalVec& x) {
+  const RationalTriangle d{t[0] - x, t[1] - x, t[2] - x};
+  const RationalTriangle crosses{test::cross(d[0], d[1]), test::cross(d[1], d[2]), test::cross(d[2], d[0])};
+  bool same_turn = true, any_turn = false;
+  for (int i = 0; i < 3; ++i) {
+    if (test::is_zero(crosses[i]) && test::dot(d[i], d[(i + 1) % 3]) <= 0) return true;
+    any_turn |= !test::is_zero(crosses[i]);
+    same_turn &= test::dot(crosses[i], crosses[(i + 1) % 3]) >= 0;
+  }
+  return test::dot(crosses[0], d[2]) == 0 && any_turn && same_turn;
+}
+
+/// Slow twin of `intersection_segment`: of all vertices and all points where an edge crosses the other's plane, those
+/// common to both triangles; the ends are the first and the last of them.
+std::vector<RationalVec> common_points_by_definition(const RationalTriangle& a, const RationalTriangle& b) {
+  std::vector<RationalVec> candidates;
+  for (const auto* pair : {&a, &b}) {
+    const RationalTriangle &edges = *pair, &plane = pair == &a ? b : a;
+    const RationalVec normal = test::cross(plane[1] - plane[0], plane[2] - plane[0]);
+    for (int i = 0; i < 3; ++i) {
+      const RationalVec &p = edges[i], &q = edges[(i + 1) % 3];
+      candidates.push_back(p);
+      const Rational p_height = test::dot(normal, p - plane[0]), q_height = test::dot(normal, q - plane[0]);
+      if (p_height * q_height >= 0) continue;
+      RationalVec x;
+      for (int k = 0; k < 3; ++k) x[k] = p[k] + (q[k] - p[k]) * p_height / (p_height - q_height);
+      candidates.push_back(x);
+    }
+  }
+  std::vector<RationalVec> common;
+  for (const RationalVec& x : candidates)
+    if (contains(a, x) && contains(b, x)) common.push_back(x);
+  std::sort(common.begin(), common.end());
+  return common;
+}
+
+double distance(const Vec3& p, const RationalVec& q) {
+  double largest = 0;
+  for (int k = 0; k < 3; ++k) largest = std::max(largest, std::abs((Rational(p[k]) - q[k]).convert_to<double>()));
+  return largest;
+}
+
+RationalTriangle to_rational(const Triangle& t) {
+  return {test::to_rational<3>(t[0]), test::to_rational<3>(t[1]), test::to_rational<3>(t[2])};
+}
+
+TEST(IntersectionSegment, EqualsTheDefinition) {
+  RandomSource random(11);
+  std::int64_t points = 0, segments = 0, thin = 0;
+  const std::int64_t count = scaled(5'000);
+  for (std::int64_t n = 0; n < count; ++n) {
+    const LatticePair lattice = random_pair(random, random.integer(1, 3));
+    Triangle a = to_triangle(lattice.a, 1), b = to_triangle(lattice.b, 1);
+    if (n % 4 == 0) {  // planes a hair apart
+      b[random.integer(0, 2)] = a[0] + random.uniform() * (a[1] - a[0]) + random.uniform() * (a[2] - a[0]);
+      ++thin;
+    }
+    const TriangleContact contact = classify_contact(a, b);
+    const auto found = intersection_segment(a, b);
+    ASSERT_EQ(found.has_value(), contact == kTouching || contact == kCrossing) << n;
+    if (!found) continue;
+    const auto expected = common_points_by_definition(to_rational(a), to_rational(b));
+    ASSERT_FALSE(expected.empty()) << n;
+    const double forward = std::max(distance((*found)[0], expected.front()), distance((*found)[1], expected.back()));
+    const double backward = std::max(distance((*found)[1], expected.front()), distance((*found)[0], expected.back()));
+    ASSERT_LT(std::min(forward, backward), 1e-10) << n;
+    const bool is_point = expected.front() == expected.back();
+    if (is_point) {
+      ASSERT_EQ((*found)[0], (*found)[1]) << n;
+    }
+    ++(is_point ? points : segments);
+  }
+  if (count > 1000) {
+    EXPECT_GT(points, count / 50);
+    EXPECT_GT(segments, count / 20);
+  }
+}
+
+TEST(IntersectionSegment, AtAnyMagnitude) {
+  for (double scale : {0x1p-1074, 1e-300, 1e-150, 1.0, 1e150, 1e307}) {
+    const auto scaled_by = [scale](Triangle t) {
+      for (Vec3& p : t) p *= scale;
+      return t;
+    };
+    const Triangle a = scaled_by({Vec3{0, 0, 0}, Vec3{8, 0, 0}, Vec3{0, 8, 0}});
+    const Triangle b = scaled_by({Vec3{2, 2, -2}, Vec3{2, 2, 2}, Vec3{2, 6, -2}});
+    const auto found = intersection_segment(a, b);
+    ASSERT_TRUE(found.has_value());
+    const Vec3 p = scale * Vec3{2, 2, 0}, q = scale * Vec3{2, 4, 0};
+    EXPECT_TRUE(((*found)[0] == p && (*found)[1] == q) || ((*found)[0] == q && (*found)[1] == p)) << scale;
   }
 }
 

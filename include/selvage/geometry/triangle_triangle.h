@@ -27,8 +27,8 @@ enum class TriangleContact : std::uint8_t {
 TriangleContact classify_contact(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b);
 
 /// The common points of two triangles that touch or cross: a segment, of equal ends where it is a point. Nothing where
-/// they are disjoint or overlap in one plane. Whether there is one is exact; each end is within 2^-40 of the length of
-/// the edge it lies on of the true point, plus the rounding of its coordinates.
+/// they are disjoint or overlap in one plane. Whether there is one, and whether it is a point, is exact, and so is an
+/// end at a vertex; any other end is off by at most 2^-40 of the edge it lies on and two roundings of its coordinates.
 std::optional<std::array<Vec3, 2>> intersection_segment(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b);
 
 // What follows is the fast path, here so that it inlines into loops and kernels; the exact stages are out of line.
