@@ -89,6 +89,12 @@ IntVec<2> face_normal(const std::array<IntVec<2>, 2>& f) {
   return {-e[1], e[0]};
 }
 
+/// A stretch of the line through p and s: parameters, 0 at p and 1 at s.
+struct Stretch {
+  int first, last;
+};
+constexpr Stretch kSegment{0, 1}, kReach{-1, 3};
+
 /// The segment and a face as integers relative to p.
 template <int D>
 struct SegmentAndFace {
@@ -115,6 +121,13 @@ struct SegmentAndFace {
   int start() const { return -sign_of(height); }
   int end() const { return sign_of(ExactInt(slope - offset.denominator * height)); }
   bool line_in_plane() const { return height == 0 && slope == 0; }
+
+  /// Whether the stretch meets the plane of the face: at the parameter denominator * height / slope, or everywhere.
+  bool crosses_plane_in(Stretch stretch) const {
+    const int sign = slope < 0 ? -1 : 1;
+    const ExactInt crossing = offset.denominator * height * sign, unit = slope * sign;
+    return unit * stretch.first <= crossing && crossing <= unit * stretch.last;
+  }
 };
 
 int side_of(const IntVec<2>& d, const IntVec<2>& a) {
@@ -140,19 +153,38 @@ bool passes_through(const SegmentAndFace<3>& s) {
   return !(positive && negative);
 }
 
-/// Whether a segment on the line of an edge meets it.
-bool overlaps_in_plane(const SegmentAndFace<2>& s, bool whole_line) {
-  if (whole_line) return true;
-  const IntVec<2>& d = s.offset.numerator;
-  const ExactInt end = dot<2>(d, d);
-  const ExactInt a = s.offset.denominator * dot<2>(d, s.face[0]), b = s.offset.denominator * dot<2>(d, s.face[1]);
-  return std::max(a, b) >= 0 && std::min(a, b) <= end;
+/// Whether a stretch of the line meets a face that lies on the line.
+template <int D>
+bool overlaps_on_line(const SegmentAndFace<D>& s, Stretch stretch) {
+  const IntVec<D>& d = s.offset.numerator;
+  const ExactInt unit = dot<D>(d, d);
+  bool behind = false, ahead = false;
+  for (const auto& v : s.face) {
+    const ExactInt at = s.offset.denominator * dot<D>(d, v);
+    behind |= at <= unit * stretch.last;
+    ahead |= at >= unit * stretch.first;
+  }
+  return behind && ahead;
 }
 
-/// Whether a segment in the plane of a triangle meets it: separating axes in the projection along one coordinate.
-bool overlaps_in_plane(const SegmentAndFace<3>& s, bool whole_line) {
+/// Whether a stretch of the line meets an edge with which it is in line; one without length may lie beside it.
+bool overlaps_in_plane(const SegmentAndFace<2>& s, Stretch stretch) {
+  return side_of(s.offset.numerator, s.face[0]) == 0 && overlaps_on_line(s, stretch);
+}
+
+/// Whether a stretch of the line meets a triangle in whose plane the line lies: separating axes in the projection along
+/// one coordinate. A flat triangle has no plane of its own, but one with the line.
+bool overlaps_in_plane(const SegmentAndFace<3>& s, Stretch stretch) {
+  const auto is_zero = [](const IntVec<3>& v) { return v[0] == 0 && v[1] == 0 && v[2] == 0; };
+  IntVec<3> normal = s.normal;
+  for (const auto& v : s.face)
+    if (is_zero(normal)) normal = cross(s.offset.numerator, v);
+  if (is_zero(normal)) return overlaps_on_line(s, stretch);
+  for (const auto& v : s.face)
+    if (dot<3>(normal, minus<3>(v, s.face[0])) != 0) return false;
+
   int drop = 0;
-  while (drop < 2 && s.normal[drop] == 0) ++drop;
+  while (normal[drop] == 0) ++drop;
   const auto flat = [&](const IntVec<3>& v) { return IntVec<2>{v[(drop + 1) % 3], v[(drop + 2) % 3]}; };
   const IntVec<2> d = flat(s.offset.numerator);
   std::array<IntVec<2>, 3> t;
@@ -163,13 +195,13 @@ bool overlaps_in_plane(const SegmentAndFace<3>& s, bool whole_line) {
     right += side_of(d, v) < 0;
   }
   if (left == 3 || right == 3) return false;
-  if (whole_line) return true;
-  const IntVec<2> origin{0, 0};
+  const IntVec<2> from = times<2>(d, stretch.first), to = times<2>(d, stretch.last);
   for (int i = 0; i < 3; ++i) {
     const IntVec<2>&a = t[i], &b = t[(i + 1) % 3], &c = t[(i + 2) % 3];
     const IntVec<2> e = minus<2>(b, a);
+    const int first = side_of(e, minus<2>(from, a)), last = side_of(e, minus<2>(to, a));
     const int inside = side_of(e, minus<2>(c, a));
-    if (side_of(e, minus<2>(origin, a)) * inside < 0 && side_of(e, minus<2>(d, a)) * inside < 0) return false;
+    if (first * last > 0 && first * inside <= 0) return false;
   }
   return true;
 }
@@ -204,26 +236,19 @@ bool ExactSegment<D>::touches(const FacePoints<D>& face) const {
   const SegmentAndFace<D> s(p_, target_, face);
   const int start = s.start(), end = s.end();
   if (start * end > 0) return false;
-  return start == 0 && end == 0 ? overlaps_in_plane(s, false) : passes_through(s);
+  return start == 0 && end == 0 ? overlaps_in_plane(s, kSegment) : passes_through(s);
 }
 
 template <int D>
-bool ExactSegment<D>::line_touches(const FacePoints<D>& face) const {
+bool ExactSegment<D>::touches_within_reach(const FacePoints<D>& face) const {
   const SegmentAndFace<D> s(p_, target_, face);
-  if (s.line_in_plane()) return overlaps_in_plane(s, true);
-  return s.slope != 0 && passes_through(s);
+  if (s.line_in_plane()) return overlaps_in_plane(s, kReach);
+  return s.slope != 0 && passes_through(s) && s.crosses_plane_in(kReach);
 }
 
 template <int D>
 bool ExactSegment<D>::crosses_within_reach(const FacePoints<D>& face) const {
-  const SegmentAndFace<D> s(p_, target_, face);
-  // The line meets the plane at p + lambda (s - p) with lambda = denominator * height / slope; |lambda - 1| <= 2.
-  ExactInt crossing = s.offset.denominator * s.height, slope = s.slope;
-  if (slope < 0) {
-    crossing = -crossing;
-    slope = -slope;
-  }
-  return -slope <= crossing && crossing <= 3 * slope;
+  return SegmentAndFace<D>(p_, target_, face).crosses_plane_in(kReach);
 }
 
 template class ExactSegment<2>;
@@ -247,7 +272,7 @@ unsigned exact_closest_mask(const Vec3& p, const std::array<Vec3, 3>& face) {
   const IntVec<3> n = cross(e[2], minus<3>(v[2], v[0]));
   for (int i = 0; i < 3; ++i) {
     const int a = (i + 1) % 3, b = (i + 2) % 3;
-    const bool between = dot<3>(v[a], e[i]) <= 0 && dot<3>(v[b], e[i]) >= 0;
+    const bool between = dot<3>(v[a], e[i]) < 0 && dot<3>(v[b], e[i]) > 0;  // never so on an edge without length
     // p lies beyond edge (a, b) or above it: det(n, b - a, p - a) >= 0 means the inner side.
     if (between && dot<3>(v[a], cross(n, e[i])) >= 0) return (1u << a) | (1u << b);
   }

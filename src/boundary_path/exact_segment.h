@@ -37,8 +37,8 @@ class ExactSegment {
   /// Whether the closed segment meets the closed face.
   bool touches(const FacePoints<D>& face) const;
 
-  /// Whether the whole line through p and s meets the closed face.
-  bool line_touches(const FacePoints<D>& face) const;
+  /// Whether the line through p and s meets the closed face no farther than 2 |p - s| from s.
+  bool touches_within_reach(const FacePoints<D>& face) const;
 
   /// Whether the line crosses the plane of the face no farther than 2 |p - s| from s. True when the line lies in it.
   bool crosses_within_reach(const FacePoints<D>& face) const;

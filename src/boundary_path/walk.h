@@ -308,7 +308,7 @@ bool Walk<D>::line_passes(const Segment<D>& segment, Index element, int face) co
   }
   if (positive + negative == 0) {  // the line lies in the plane of the face
     segment.count_exact();
-    return segment.exact().line_touches(face_points(element, face));
+    return segment.exact().touches_within_reach(face_points(element, face));
   }
   const bool through = D == 3 ? positive == 0 || negative == 0 : positive < D && negative < D;
   return through && segment.within_reach(segment.crossing(corners), corners);

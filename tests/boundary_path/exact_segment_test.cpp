@@ -1,0 +1,91 @@
+// Exact decisions about a segment and a face against rational arithmetic, on small integers: most cases are degenerate.
+#include "boundary_path/exact_segment.h"
+
+#include "boundary_path/families.h"
+#include "boundary_path/rational.h"
+#include "test_scale.h"
+
+#include <gtest/gtest.h>
+
+namespace selvage {
+namespace {
+
+template <int D>
+Vec<D> lattice_point(families::Random& random) {
+  Vec<D> x;
+  for (int k = 0; k < D; ++k) x[k] = random.below(5) - 2.0;
+  return x;
+}
+
+/// A face; one in three is flat, or a point.
+template <int D>
+FacePoints<D> lattice_face(families::Random& random) {
+  FacePoints<D> face;
+  for (auto& x : face) x = lattice_point<D>(random);
+  if (random.below(3) == 0) face[D - 1] = D == 2 || random.below(4) == 0 ? face[0] : Vec<D>(2 * face[1] - face[0]);
+  if (random.below(20) == 0) face.fill(face[0]);
+  return face;
+}
+
+template <int D>
+std::array<oracle::RationalVec<D>, D> seen_from(const Vec<D>& p, const FacePoints<D>& face) {
+  std::array<oracle::RationalVec<D>, D> result;
+  for (int i = 0; i < D; ++i) result[i] = oracle::to_rational<D>(face[i] - p);
+  return result;
+}
+
+template <int D>
+void compare_with_rationals() {
+  families::Random random(D);
+  std::int64_t in_segment = 0, in_reach = 0, on_line = 0;
+  const std::int64_t count = test::scaled(40000);
+  for (std::int64_t i = 0; i < count; ++i) {
+    const Vec<D> p = lattice_point<D>(random);
+    const FacePoints<D> boundary = lattice_face<D>(random), face = lattice_face<D>(random);
+    const auto direction = oracle::closest_to_origin<D>(seen_from<D>(p, boundary));
+    if (oracle::dot(direction, direction) == 0) continue;
+    TargetSimplex<D> target;
+    const unsigned mask = exact_closest_mask(p, boundary);
+    for (int k = 0; k < D; ++k)
+      if (mask >> k & 1) target.vertices[target.count++] = boundary[k];
+
+    const auto met = oracle::meet_line<D>(seen_from<D>(p, face), direction);
+    const bool segment = met && met->first <= 1 && met->second >= 0;
+    const bool reach = met && met->first <= 3 && met->second >= -1;
+    in_segment += segment;
+    in_reach += reach && !segment;
+    on_line += met && !reach;
+    const ExactSegment<D> exact(p, target);
+    ASSERT_EQ(exact.touches(face), segment) << i;
+    ASSERT_EQ(exact.touches_within_reach(face), reach) << i;
+  }
+  for (const auto seen : {in_segment, in_reach, on_line}) EXPECT_GT(seen, count / 400);
+}
+
+TEST(ExactSegment, MeetsFacesAsRationalsDoInThePlane) {
+  compare_with_rationals<2>();
+}
+
+TEST(ExactSegment, MeetsFacesAsRationalsDoInSpace) {
+  compare_with_rationals<3>();
+}
+
+// Flat faces across the line, in the plane of two coordinates that a projection could lose.
+TEST(ExactSegment, FlatFacesBesideTheLineAreNotMet) {
+  const TargetSimplex<3> target{1, {Vec3(1, 0, 0)}};
+  const ExactSegment<3> along_x(Vec3(0, 0, 0), target);
+  for (const Vec3& across : {Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(0, 1, 1), Vec3(1, 0, 2)}) {
+    const Vec3 at(0.5, 0, 0), beside = at + across;
+    EXPECT_TRUE(along_x.touches({at, beside, at + 2 * across}));
+    EXPECT_TRUE(along_x.touches({Vec3(at - across), beside, at}));
+    EXPECT_FALSE(along_x.touches({beside, Vec3(at + 2 * across), Vec3(at + 3 * across)}));
+    EXPECT_FALSE(along_x.touches({beside, beside, beside}));
+  }
+  EXPECT_TRUE(along_x.touches_within_reach({Vec3(3, 0, 0), Vec3(4, 0, 0), Vec3(5, 0, 0)}));
+  EXPECT_FALSE(along_x.touches_within_reach({Vec3(3.5, 0, 0), Vec3(4, 0, 0), Vec3(5, 0, 0)}));
+  EXPECT_TRUE(along_x.touches_within_reach({Vec3(-1, 0, 0), Vec3(-4, 1, 0), Vec3(-5, 0, 1)}));
+  EXPECT_FALSE(along_x.touches_within_reach({Vec3(-1.5, 0, 0), Vec3(-4, 1, 0), Vec3(-5, 0, 0)}));
+}
+
+}  // namespace
+}  // namespace selvage
