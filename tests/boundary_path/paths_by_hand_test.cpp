@@ -176,6 +176,41 @@ TEST(Errors, AreRaisedAtTheDoors) {
   EXPECT_EQ(path.distance, 0.25);
 }
 
+template <int D>
+std::string error_of(const BoundaryPathFinder<D>& finder, const std::vector<PathQuery<D>>& queries,
+                     const std::vector<Index>& warm_start) {
+  try {
+    finder.find_paths(queries, warm_start);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(Errors, SourcesAndWarmStartsOutOfRangeAreNamed) {
+  const auto pieces = families::grid(1, 1, 1);  // 8 vertices, 6 elements, 12 boundary faces
+  const auto mesh = mesh_of(pieces);
+  const BoundaryPathFinder<3> finder(mesh, pieces.positions);
+  const PathQuery<3> good{{0.5, 0.5, 0.5}, 0};
+  for (const Index bad : {Index{-2}, Index{8}, std::numeric_limits<Index>::max(), std::numeric_limits<Index>::min()}) {
+    for (const int place : {0, 1}) {
+      PathQuery<3> query = good;
+      query.source = {0, 1};
+      query.source[place] = bad;
+      EXPECT_EQ(error_of<3>(finder, {good, query}, {}),
+                "query 1: there is no source vertex " + std::to_string(bad) + "; vertices lie in [0, 8)");
+    }
+  }
+  for (const Index bad : {Index{-2}, Index{12}, std::numeric_limits<Index>::max(), std::numeric_limits<Index>::min()}) {
+    EXPECT_EQ(
+        error_of<3>(finder, {good, good, good}, {kNone, 11, bad}),
+        "query 2: there is no boundary face " + std::to_string(bad) + " to start from; boundary faces lie in [0, 12)");
+  }
+  EXPECT_EQ(error_of<3>(finder, {good}, {kNone, kNone}),
+            "warm_start: 2 faces for 1 queries; give one face per query, or none at all");
+  EXPECT_EQ(error_of<3>(finder, {good, good}, {0, 11}), "");
+}
+
 TEST(Errors, NoQueriesNoAnswers) {
   const auto pieces = families::grid(1, 1, 1);
   const auto mesh = mesh_of(pieces);
