@@ -34,9 +34,9 @@ MeshFile parse_vtu(const Source& source);
 
 std::string print_obj(const MeshFile& mesh);
 std::string print_ply(const MeshFile& mesh, FileEncoding encoding);
-/// @throws Error  when a coordinate does not fit in a float and the encoding is binary
+/// STL and OFF. @throws Error  when a coordinate does not fit in a float and the encoding is binary
 std::string print_stl(const MeshFile& mesh, FileEncoding encoding);
-std::string print_off(const MeshFile& mesh);
+std::string print_off(const MeshFile& mesh, FileEncoding encoding);
 std::string print_t(const MeshFile& mesh);
 std::string print_tetgen_nodes(const MeshFile& mesh);
 std::string print_tetgen_elements(const MeshFile& mesh);

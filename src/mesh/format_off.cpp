@@ -85,6 +85,20 @@ void parse_binary(Cursor& cursor, int extra_floats, MeshFile& mesh) {
   }
 }
 
+std::string print_binary(const MeshFile& mesh) {
+  Printer out(std::endian::big);
+  out.text("OFF BINARY\n");
+  out.binary(static_cast<std::int32_t>(mesh.positions.size())).binary(static_cast<std::int32_t>(mesh.triangles.size()));
+  out.binary(std::int32_t{0});  // edges
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) out.floats(mesh.positions[v], static_cast<Index>(v));
+  for (const auto& triangle : mesh.triangles) {
+    out.binary(std::int32_t{3});
+    for (const Index v : triangle) out.binary(v);
+    out.binary(std::int32_t{0});  // colour components
+  }
+  return out.take();
+}
+
 }  // namespace
 
 MeshFile parse_off(const Source& source) {
@@ -102,7 +116,8 @@ MeshFile parse_off(const Source& source) {
   return mesh;
 }
 
-std::string print_off(const MeshFile& mesh) {
+std::string print_off(const MeshFile& mesh, FileEncoding encoding) {
+  if (encoding == FileEncoding::kBinary) return print_binary(mesh);
   Printer out;
   out.text("OFF\n").number(mesh.positions.size()).text(" ").number(mesh.triangles.size()).text(" 0\n");
   for (const Vec3& p : mesh.positions) out.numbers(p).text("\n");

@@ -1,12 +1,17 @@
 #pragma once
 
+#include "format_cursor.h"
+#include "selvage/core/error.h"
+
+#include <fmt/format.h>
+
 #include <bit>
 #include <charconv>
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <string>
 #include <string_view>
-
-#include "format_cursor.h"
 
 namespace selvage::format {
 
@@ -52,6 +57,19 @@ class Printer {
   Printer& binary(T value) {
     if (swap_) value = swap_bytes(value);
     bytes_.append(reinterpret_cast<const char*>(&value), sizeof(T));
+    return *this;
+  }
+
+  /// The coordinates of a vertex as binary floats.
+  /// @throws Error  when one is too large for a float
+  Printer& floats(const Vec3& p, Index vertex) {
+    for (const double x : p) {
+      if (std::abs(x) > std::numeric_limits<float>::max()) {
+        throw Error(fmt::format("vertex {}", vertex), "a coordinate does not fit in the floats of this binary format",
+                    "write ASCII, or .ply");
+      }
+      binary(static_cast<float>(x));
+    }
     return *this;
   }
 

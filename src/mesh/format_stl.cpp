@@ -108,15 +108,7 @@ std::string print_binary(const MeshFile& mesh) {
   out.text(header).binary(static_cast<std::uint32_t>(mesh.triangles.size()));
   for (const auto& triangle : mesh.triangles) {
     for (const double x : normal_of(mesh, triangle)) out.binary(static_cast<float>(x));
-    for (const Index v : triangle) {
-      for (const double x : mesh.positions[v]) {
-        if (std::abs(x) > std::numeric_limits<float>::max()) {
-          throw Error(fmt::format("vertex {}", v), "a coordinate does not fit in the floats of binary STL",
-                      "write ASCII, or .ply");
-        }
-        out.binary(static_cast<float>(x));
-      }
-    }
+    for (const Index v : triangle) out.floats(mesh.positions[v], v);
     out.binary(std::uint16_t{0});
   }
   return out.take();

@@ -16,6 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 using format::Source;
 
+constexpr FileEncoding kAscii = FileEncoding::kAscii, kBinary = FileEncoding::kBinary;
+
 /// What each extension stands for. A printer without encoding writes ASCII only.
 struct Format {
   std::string_view extension;
@@ -23,6 +25,7 @@ struct Format {
   std::string (*print)(const MeshFile& mesh, FileEncoding encoding);
   bool holds_triangles;
   bool holds_tetrahedra;
+  FileEncoding usual;
 };
 
 template <std::string (*Print)(const MeshFile&)>
@@ -39,17 +42,17 @@ std::string print_vtu_mesh(const MeshFile& mesh, FileEncoding encoding) {
 }
 
 constexpr Format kFormats[] = {
-    {".obj", format::parse_obj, ascii_only<format::print_obj>, true, false},
-    {".ply", format::parse_ply, format::print_ply, true, false},
-    {".stl", format::parse_stl, format::print_stl, true, false},
-    {".off", format::parse_off, ascii_only<format::print_off>, true, false},
-    {".t", format::parse_t, ascii_only<format::print_t>, false, true},
-    {".node", nullptr, nullptr, false, true},
-    {".ele", nullptr, nullptr, false, true},
-    {".mesh", format::parse_medit, ascii_only<format::print_medit>, true, true},
-    {".msh", format::parse_gmsh, format::print_gmsh, true, true},
-    {".vtk", format::parse_vtk, format::print_vtk, true, true},
-    {".vtu", format::parse_vtu, print_vtu_mesh, true, true},
+    {".obj", format::parse_obj, ascii_only<format::print_obj>, true, false, kAscii},
+    {".ply", format::parse_ply, format::print_ply, true, false, kBinary},
+    {".stl", format::parse_stl, format::print_stl, true, false, kBinary},
+    {".off", format::parse_off, format::print_off, true, false, kAscii},
+    {".t", format::parse_t, ascii_only<format::print_t>, false, true, kAscii},
+    {".node", nullptr, nullptr, false, true, kAscii},
+    {".ele", nullptr, nullptr, false, true, kAscii},
+    {".mesh", format::parse_medit, ascii_only<format::print_medit>, true, true, kAscii},
+    {".msh", format::parse_gmsh, format::print_gmsh, true, true, kBinary},
+    {".vtk", format::parse_vtk, format::print_vtk, true, true, kBinary},
+    {".vtu", format::parse_vtu, print_vtu_mesh, true, true, kBinary},
 };
 
 std::string lower(std::string_view text) {
@@ -143,6 +146,12 @@ MeshFile format::parse_mesh(std::string_view extension, const Source& source, co
   return mesh;
 }
 
+std::vector<fs::path> files_of_mesh(const fs::path& path) {
+  const std::string extension = lower(path.extension().string());
+  if (extension == ".node" || extension == ".ele") return {path, twin_of(path)};
+  return {path};
+}
+
 MeshFile read_mesh(const fs::path& path) {
   const std::string name = path.string(), extension = path.extension().string();
   const Format& found = find_format(extension, name);
@@ -161,7 +170,7 @@ void write_mesh(const fs::path& path, const MeshFile& mesh, FileEncoding encodin
   const Format& found = find_format(path.extension().string(), name);
   check_writable(mesh, found, name);
   if (!is_tetgen(found)) {
-    const std::string bytes = found.print(mesh, encoding);
+    const std::string bytes = found.print(mesh, encoding == FileEncoding::kUsual ? found.usual : encoding);
     return write_whole_files(std::array{FileContent{path, bytes}});
   }
   std::string first = format::print_tetgen_nodes(mesh), second = format::print_tetgen_elements(mesh);
@@ -178,7 +187,7 @@ void write_vtu(const fs::path& path, const VtkGrid& grid, FileEncoding encoding)
   check_elements(grid.lines, grid.points.size(), "line", name);
   check_elements(grid.triangles, grid.points.size(), "triangle", name);
   check_elements(grid.tetrahedra, grid.points.size(), "tetrahedron", name);
-  const std::string bytes = format::print_vtu(grid, encoding);
+  const std::string bytes = format::print_vtu(grid, encoding == FileEncoding::kUsual ? kBinary : encoding);
   write_whole_files(std::array{FileContent{path, bytes}});
 }
 

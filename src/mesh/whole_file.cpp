@@ -29,8 +29,8 @@ using File = std::unique_ptr<std::FILE, CloseFile>;
 }
 
 [[noreturn]] void fail_to_write(const fs::path& path, int code) {
-  throw Error(path.string(), fmt::format("cannot be written: {}", std::strerror(code)),
-              "check that the folder exists, may be written and has space");
+  throw SystemError(path.string(), fmt::format("cannot be written: {}", std::strerror(code)),
+                    "check that the folder exists, may be written and has space");
 }
 
 /// Files written beside their places: removed unless they were moved there.
@@ -49,11 +49,12 @@ class PendingFiles {
         fs::is_symlink(content.path, ignored) ? fs::weakly_canonical(content.path, ignored) : content.path;
     // Asked before anything is moved, so that the first file of a pair does not appear alone.
     if (fs::is_directory(target, ignored)) fail_to_write(content.path, EISDIR);
+    const bool special = fs::exists(target, ignored) && !fs::is_regular_file(target, ignored);
     fs::path temporary = target;
-    temporary += fmt::format(".{}-{}.part", ::getpid(), serial++);
-    File file(std::fopen(temporary.c_str(), "wbx"));
+    if (!special) temporary += fmt::format(".{}-{}.part", ::getpid(), serial++);
+    File file(std::fopen(temporary.c_str(), special ? "wb" : "wbx"));
     if (!file) fail_to_write(content.path, errno);
-    pending_.push_back({temporary, target});
+    if (!special) pending_.push_back({temporary, target});
     const bool written = std::fwrite(content.bytes.data(), 1, content.bytes.size(), file.get()) == content.bytes.size();
     const int write_code = errno;
     const bool closed = std::fclose(file.release()) == 0;

@@ -23,7 +23,7 @@ void write_png(const std::filesystem::path& path, const Image& image) {
   const int written = png_image_write_to_file(&png, path.c_str(), 0, bytes.data(), 0, nullptr);
   const std::string reason = png.message;
   png_image_free(&png);
-  if (!written) throw Error(path.string(), "cannot write the picture (" + reason + ")");
+  if (!written) throw SystemError(path.string(), "cannot write the picture (" + reason + ")");
 }
 
 }  // namespace selvage

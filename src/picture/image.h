@@ -24,7 +24,7 @@ class Image {
 };
 
 /// Writes the picture as an 8-bit sRGB PNG file. The same image gives the same bytes.
-/// @throws Error  when the file cannot be written
+/// @throws SystemError  when the file cannot be written
 void write_png(const std::filesystem::path& path, const Image& image);
 
 }  // namespace selvage

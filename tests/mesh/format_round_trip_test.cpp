@@ -10,6 +10,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kEncodingNames[] = {" usual", " ASCII", " binary"};
+
 /// A folder of its own for each test, removed afterwards.
 class RoundTrip : public testing::Test {
  protected:
@@ -24,9 +26,10 @@ class RoundTrip : public testing::Test {
     return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
   }
 
-  std::string error_of_writing(const fs::path& path, const MeshFile& mesh) const {
+  std::string error_of_writing(const fs::path& path, const MeshFile& mesh,
+                               FileEncoding encoding = FileEncoding::kUsual) const {
     try {
-      write_mesh(path, mesh);
+      write_mesh(path, mesh, encoding);
     } catch (const Error& error) {
       return error.what();
     }
@@ -44,13 +47,13 @@ class RoundTrip : public testing::Test {
 
   void expect_round_trips(std::initializer_list<std::string_view> extensions, int triangles, int tetrahedra) {
     for (const std::string_view extension : extensions) {
-      for (const FileEncoding encoding : {FileEncoding::kAscii, FileEncoding::kBinary}) {
+      for (const FileEncoding encoding : {FileEncoding::kUsual, FileEncoding::kAscii, FileEncoding::kBinary}) {
+        if (extension == ".off" && encoding == FileEncoding::kBinary) continue;  // which holds floats
         for (unsigned seed = 1; seed <= 4; ++seed) {
           const MeshFile mesh = random_mesh(seed, 40 * static_cast<int>(seed), triangles, tetrahedra);
           const fs::path path = folder_ / ("mesh" + std::string(extension));
           write_mesh(path, mesh, encoding);
-          expect_same_mesh(read_mesh(path), mesh,
-                           std::string(extension) + (encoding == FileEncoding::kAscii ? " ASCII" : " binary"));
+          expect_same_mesh(read_mesh(path), mesh, std::string(extension) + kEncodingNames[static_cast<int>(encoding)]);
         }
       }
     }
@@ -81,7 +84,8 @@ TEST_F(RoundTrip, SpecialCoordinates) {
   constexpr double kTiny = std::numeric_limits<double>::denorm_min(), kHuge = std::numeric_limits<double>::max();
   mesh.positions = {{-0.0, kTiny, kHuge}, {0.1, 1.0 / 3.0, -1e-300}, {123456789.123456789, -kTiny, -kHuge}};
   for (const char* name : {"m.obj", "m.ply", "m.off", "m.mesh", "m.msh", "m.vtk", "m.vtu"}) {
-    for (const FileEncoding encoding : {FileEncoding::kAscii, FileEncoding::kBinary}) {
+    for (const FileEncoding encoding : {FileEncoding::kUsual, FileEncoding::kAscii, FileEncoding::kBinary}) {
+      if (name == std::string("m.off") && encoding == FileEncoding::kBinary) continue;
       write_mesh(folder_ / name, mesh, encoding);
       expect_same_mesh(read_mesh(folder_ / name), mesh, name);
     }
@@ -108,10 +112,25 @@ TEST_F(RoundTrip, StlKeepsCornersButNotSharing) {
   }
 }
 
-TEST_F(RoundTrip, BinaryStlRefusesWhatNoFloatHolds) {
+TEST_F(RoundTrip, BinaryOffHoldsFloatsInTheOrderOfTheSpecification) {
+  MeshFile mesh = random_mesh(8, 50, 60, 0);
+  for (Vec3& p : mesh.positions) p = Vec3{std::sin(p[0]), std::cos(p[1]), std::sin(p[2])}.cast<float>().cast<double>();
+  write_mesh(folder_ / "m.off", mesh, FileEncoding::kBinary);
+  expect_same_mesh(read_mesh(folder_ / "m.off"), mesh, "binary OFF");
+
+  constexpr auto kBig = std::endian::big;
+  const std::string expected = "OFF BINARY\n" + packed<std::int32_t>({3, 1, 0}, kBig) +
+                               packed<float>({0, 0, 0, 1, 0, 0, 0, 1, 0.5}, kBig) +
+                               packed<std::int32_t>({3, 0, 1, 2, 0}, kBig);
+  EXPECT_EQ(format::print_off(one_triangle(), FileEncoding::kBinary), expected);
+}
+
+TEST_F(RoundTrip, BinaryFormatsOfFloatsRefuseWhatNoFloatHolds) {
   MeshFile mesh = one_triangle();
   mesh.positions[1][0] = 1e39;
-  EXPECT_NE(error_of_writing(folder_ / "m.stl", mesh).find("does not fit"), std::string::npos);
+  for (const char* name : {"m.stl", "m.off"}) {
+    EXPECT_NE(error_of_writing(folder_ / name, mesh, FileEncoding::kBinary).find("does not fit"), std::string::npos);
+  }
   EXPECT_EQ(files_in_folder(), 0u);
 }
 

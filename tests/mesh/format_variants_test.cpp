@@ -180,7 +180,7 @@ TEST(Variants, TextWithWindowsLineEnds) {
   constexpr FileEncoding kAscii = FileEncoding::kAscii;
   expect_same_mesh(parse(".obj", with_returns(format::print_obj(surface))), surface, "obj");
   expect_same_mesh(parse(".ply", with_returns(format::print_ply(surface, kAscii))), surface, "ply");
-  expect_same_mesh(parse(".off", with_returns(format::print_off(surface))), surface, "off");
+  expect_same_mesh(parse(".off", with_returns(format::print_off(surface, kAscii))), surface, "off");
   expect_same_mesh(parse(".mesh", with_returns(format::print_medit(solid))), solid, "mesh");
   expect_same_mesh(parse(".t", with_returns(format::print_t(solid))), solid, "t");
   expect_same_mesh(parse(".msh", with_returns(format::print_gmsh(solid, kAscii))), solid, "msh");

@@ -17,4 +17,10 @@ class Error : public std::runtime_error {
   Error(std::string_view where, std::string_view what, std::string_view remedy = {});
 };
 
+/// An Error that is no fault of the input: the system refuses to write, on a full disk, say.
+class SystemError : public Error {
+ public:
+  using Error::Error;
+};
+
 }  // namespace selvage

@@ -16,7 +16,11 @@ struct MeshFile {
 };
 
 /// How a format that has both is written.
-enum class FileEncoding { kAscii, kBinary };
+enum class FileEncoding {
+  kUsual,  ///< binary; ASCII for OFF, of which few programs read the binary form
+  kAscii,
+  kBinary,
+};
 
 /// Reads a mesh; the format follows from the file's extension:
 /// .obj .ply .stl .off (surfaces; polygons are split into fans), .t, TetGen .node or .ele (its twin is found beside
@@ -29,10 +33,14 @@ enum class FileEncoding { kAscii, kBinary };
 MeshFile read_mesh(const std::filesystem::path& path);
 
 /// Writes a mesh in the format of the extension; whole or not at all (written beside and renamed). Coordinates survive
-/// a round trip bit for bit where the format can hold them (ASCII is written with the shortest exact digits; STL binary
-/// holds floats only).
-/// @throws Error  unknown extension, elements that the format cannot hold, or a file that cannot be written
-void write_mesh(const std::filesystem::path& path, const MeshFile& mesh, FileEncoding encoding = FileEncoding::kBinary);
+/// a round trip bit for bit where the format can hold them (ASCII is written with the shortest exact digits; binary STL
+/// and OFF hold floats only).
+/// @throws Error        unknown extension, elements or coordinates that the format cannot hold
+/// @throws SystemError  the file cannot be written
+void write_mesh(const std::filesystem::path& path, const MeshFile& mesh, FileEncoding encoding = FileEncoding::kUsual);
+
+/// The files that hold the mesh at this path: itself, and the other half of a TetGen pair.
+std::vector<std::filesystem::path> files_of_mesh(const std::filesystem::path& path);
 
 /// Named values, one per point or per cell, for VTK output. `components` values belong to each.
 struct VtkField {
@@ -53,7 +61,8 @@ struct VtkGrid {
 };
 
 /// Writes a .vtu file, whole or not at all.
-/// @throws Error  when a field's size does not match, or the file cannot be written
-void write_vtu(const std::filesystem::path& path, const VtkGrid& grid, FileEncoding encoding = FileEncoding::kBinary);
+/// @throws Error        when a field's size does not match
+/// @throws SystemError  when the file cannot be written
+void write_vtu(const std::filesystem::path& path, const VtkGrid& grid, FileEncoding encoding = FileEncoding::kUsual);
 
 }  // namespace selvage
