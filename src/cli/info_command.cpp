@@ -1,6 +1,7 @@
 #include "cli/command.h"
 #include "cli/components.h"
 #include "cli/console.h"
+#include "cli/json_text.h"
 #include "cli/mesh_input.h"
 #include "cli/output.h"
 #include "cli/quality.h"
@@ -134,7 +135,7 @@ void print_info(const Json& info) {
 void run_info(const InfoOptions& options) {
   Stopwatch watch;
   OutputFiles outputs;
-  outputs.expect(options.common.json, {options.mesh});
+  outputs.expect(options.common.json, files_of_mesh(options.mesh));
   const MeshFile file = read_mesh(options.mesh);
   watch.lap("read");
 
@@ -154,7 +155,7 @@ void run_info(const InfoOptions& options) {
   watch.lap("describe");
   for (const auto& [phase, seconds] : watch.laps()) info["seconds"][phase] = seconds;
 
-  outputs.write_text(options.common.json, info.dump(1) + "\n");
+  outputs.write_text(options.common.json, json_text(info) + "\n");
   outputs.commit();
   if (!options.common.quiet && !outputs.uses_standard_output()) print_info(info);
 }

@@ -1,11 +1,15 @@
 #include "cli/command.h"
 #include "selvage/core/error.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <tbb/global_control.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
+#include <iostream>
 #include <new>
 
 namespace selvage::cli {
@@ -16,8 +20,20 @@ namespace {
 int report(std::string message, int status) {
   while (!message.empty() && message.back() == '\n') message.pop_back();
   std::replace(message.begin(), message.end(), '\n', ' ');
-  fmt::print(stderr, "selvage: {}\n", message);
+  std::fputs(fmt::format("selvage: {}\n", message).c_str(), stderr);  // which may be closed
   return status;
+}
+
+/// Makes readers that have gone away, limits of file sizes and closed standard streams errors of writing like any
+/// other: nothing ends the program before its temporary files are removed, and no file that it opens takes a stream's
+/// place.
+void secure_outputs() {
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+  for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
+    // Opened for reading, which makes writing fail.
+    if (fcntl(stream, F_GETFD) < 0) open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+  }
 }
 
 int run_command(const Command& command) {
@@ -29,6 +45,8 @@ int run_command(const Command& command) {
     if (std::fflush(stdout) != 0) return report("cannot write to standard output", kFailed);
     return kDone;
   } catch (const Failure& error) {
+    return report(error.what(), kFailed);
+  } catch (const SystemError& error) {
     return report(error.what(), kFailed);
   } catch (const Error& error) {
     return report(error.what(), kBadInput);
@@ -64,7 +82,8 @@ int run_program(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {
-    return app.exit(success);
+    app.exit(success);
+    return std::cout.flush() ? kDone : report("cannot write to standard output", kFailed);
   } catch (const CLI::ParseError& error) {
     const auto parsed = app.get_subcommands();
     // CLI11 would say that a subcommand is missing where its name is wrong.
@@ -80,5 +99,6 @@ int run_program(int argc, char** argv) {
 }  // namespace selvage::cli
 
 int main(int argc, char** argv) {
+  selvage::cli::secure_outputs();
   return selvage::cli::run_program(argc, argv);
 }

@@ -1,5 +1,6 @@
 #include "cli/command.h"
 #include "cli/console.h"
+#include "cli/json_text.h"
 #include "cli/output.h"
 #include "cli/pose_argument.h"
 #include "selvage/core/error.h"
@@ -22,7 +23,7 @@ struct MakeOptions {
   std::vector<double> size;
   ShapeOptions measures;
   std::vector<std::string> poses;
-  bool ascii = false;
+  bool ascii = false, binary = false;
 };
 
 constexpr const char* kExample =
@@ -44,12 +45,17 @@ void set_size(MakeOptions& options) {
   options.measures.size = size;
 }
 
+FileEncoding encoding_of(const MakeOptions& options) {
+  if (options.ascii) return FileEncoding::kAscii;
+  return options.binary ? FileEncoding::kBinary : FileEncoding::kUsual;
+}
+
 void run_make(MakeOptions& options) {
   Stopwatch watch;
   std::vector<PoseArgument> poses;
   for (const std::string& text : options.poses) poses.push_back(parse_pose(text));
   OutputFiles outputs;
-  outputs.expect(options.output);
+  for (const auto& file : files_of_mesh(options.output)) outputs.expect(file.string());
   outputs.expect(options.common.json);
   if (options.output == "-") throw Error("-o", "a mesh cannot be written to standard output", "name a file");
 
@@ -68,10 +74,10 @@ void run_make(MakeOptions& options) {
                                 {"vertices", mesh.positions.size()},
                                 {"tetrahedra", mesh.tetrahedra.size()},
                                 {"triangles", mesh.triangles.size()}};
-  write_mesh(options.output, mesh, options.ascii ? FileEncoding::kAscii : FileEncoding::kBinary);
+  write_mesh(options.output, mesh, encoding_of(options));
   watch.lap("write");
   for (const auto& [phase, seconds] : watch.laps()) result["seconds"][phase] = seconds;
-  outputs.write_text(options.common.json, result.dump(1) + "\n");
+  outputs.write_text(options.common.json, json_text(result) + "\n");
   outputs.commit();
   if (options.common.quiet || outputs.uses_standard_output()) return;
   const bool solid = !mesh.tetrahedra.empty();
@@ -114,7 +120,9 @@ Command add_make(CLI::App& app) {
       ->take_all()
       ->expected(1)
       ->type_name("POSE");
-  sub->add_flag("--ascii", options->ascii, "Write text where the format has text and binary");
+  auto* ascii = sub->add_flag("--ascii", options->ascii, "Write text where the format has text and binary");
+  sub->add_flag("--binary", options->binary, "Write binary where the format has both, as by default but for .off")
+      ->excludes(ascii);
   return {sub, &options->common, [options] { run_make(*options); }};
 }
 

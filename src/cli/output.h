@@ -3,6 +3,7 @@
 #include "cli/command.h"
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,7 +13,7 @@ namespace selvage::cli {
 /// Output files that appear all together when a command has succeeded, or not at all.
 ///
 /// Each is written beside its place under another name and renamed by commit(); without commit() nothing stays, and
-/// what stood at a file's place before is untouched.
+/// what stood at a file's place before is untouched. What is no regular file (a device, a pipe) is written to directly.
 class OutputFiles {
  public:
   OutputFiles() = default;
@@ -23,12 +24,16 @@ class OutputFiles {
   /// Announces an output, before the work starts. An empty path is none; "-" is standard output.
   /// @param inputs  files that no output may replace
   /// @throws Error  when the folder does not exist, the place is a folder, or two outputs are the same
-  void expect(const std::string& path, const std::vector<std::string>& inputs = {});
+  void expect(const std::string& path, const std::vector<std::filesystem::path>& inputs = {});
 
   /// A path beside `path`, with the same extension, where the output is to be written; an output was expected there.
   std::filesystem::path stage(const std::string& path);
 
-  /// Writes text to its place: standard output at once, a file when commit() is called.
+  /// Lets `write` write an output at the path that it is given: that of stage().
+  /// @throws Failure  when it raises a SystemError, with the output's own name in the message
+  void write_file(const std::string& path, const std::function<void(const std::filesystem::path&)>& write);
+
+  /// Writes text to its place: standard output and devices at once, a file when commit() is called.
   /// @throws Failure  when it cannot be written
   void write_text(const std::string& path, std::string_view text);
 

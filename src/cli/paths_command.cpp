@@ -1,5 +1,6 @@
 #include "cli/command.h"
 #include "cli/console.h"
+#include "cli/json_text.h"
 #include "cli/mesh_input.h"
 #include "cli/output.h"
 #include "cli/path_search.h"
@@ -44,7 +45,8 @@ constexpr const char* kExample =
 
 /// Announces all outputs before any work is done.
 void expect_outputs(const PathsOptions& options, OutputFiles& outputs) {
-  const std::vector<std::string> inputs{options.mesh, options.points.empty() ? options.mesh : options.points};
+  std::vector<std::filesystem::path> inputs = files_of_mesh(options.mesh);
+  if (!options.points.empty()) inputs.emplace_back(options.points);
   for (const std::string* path : {&options.common.json, &options.csv, &options.vtu, &options.picture}) {
     outputs.expect(*path, inputs);
   }
@@ -88,7 +90,7 @@ std::string print_json(const PathsOptions& options, const SearchResult& result, 
   for (const auto& [phase, seconds] : watch.laps()) end["seconds"][phase] = seconds;
   end["seconds"]["total"] = watch.total();
   // The rows can be millions: they are printed as text between the two halves.
-  std::string head = json.dump(1), tail = end.dump(1);
+  std::string head = json_text(json), tail = json_text(end);
   head.resize(head.rfind('\n'));
   return head + ",\n \"paths\": " + print_json_rows(result.table) + "," + tail.substr(1) + "\n";
 }
@@ -149,12 +151,10 @@ void write_outputs(const PathsOptions& options, const MeshFile& file, const Sear
   if (!options.common.json.empty()) outputs.write_text(options.common.json, print_json(options, result, totals, watch));
   std::optional<Image> image;
   if (!options.picture.empty()) image = draw(options, file, result, totals);
-  try {
-    if (!options.vtu.empty()) write_vtu(outputs.stage(options.vtu), path_lines(result.table));
-    if (image) write_png(outputs.stage(options.picture), *image);
-  } catch (const Error& error) {
-    throw Failure(error.what());
+  if (!options.vtu.empty()) {
+    outputs.write_file(options.vtu, [&](const auto& path) { write_vtu(path, path_lines(result.table)); });
   }
+  if (image) outputs.write_file(options.picture, [&](const auto& path) { write_png(path, *image); });
   outputs.commit();
 }
 

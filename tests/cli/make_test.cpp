@@ -96,6 +96,16 @@ TEST_F(MakeTest, AsciiAndBinaryHoldTheSameMesh) {
   }
 }
 
+TEST_F(MakeTest, OffIsTextUnlessBinaryIsAskedFor) {
+  run_well("make cloth -o usual.off -q");
+  run_well("make cloth -o ascii.off --ascii -q");
+  run_well("make cloth -o binary.off --binary -q");
+  EXPECT_EQ(read_text(file("usual.off")), read_text(file("ascii.off")));
+  EXPECT_EQ(read_text(file("binary.off")).rfind("OFF BINARY\n", 0), 0u);
+  EXPECT_EQ(read_mesh(file("binary.off")).triangles, read_mesh(file("ascii.off")).triangles);
+  expect_refused("make cloth -o both.off --ascii --binary", 2, {"--ascii"});
+}
+
 TEST_F(MakeTest, FailureLeavesNothingAndTouchesNothing) {
   write_text(file("old.obj"), "what stood here");
   expect_refused("make ball -o old.obj --json result.json", 2, {"old.obj"});  // .obj holds no tetrahedra
