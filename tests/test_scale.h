@@ -15,4 +15,11 @@ inline std::int64_t scaled(std::int64_t n) {
   return std::max<std::int64_t>(1, static_cast<std::int64_t>(static_cast<double>(n) * scale));
 }
 
+/// The seed of a test's random inputs, another one for every value of the environment variable SELVAGE_TEST_SEED (a
+/// whole number; the everyday inputs when it is unset or 0).
+inline std::uint64_t seed(std::uint64_t n) {
+  const char* text = std::getenv("SELVAGE_TEST_SEED");
+  return n + 1'000'003 * (text != nullptr ? std::strtoull(text, nullptr, 10) : 0);
+}
+
 }  // namespace selvage::test

@@ -36,7 +36,7 @@ std::array<oracle::RationalVec<D>, D> seen_from(const Vec<D>& p, const FacePoint
 
 template <int D>
 void compare_with_rationals() {
-  families::Random random(D);
+  families::Random random(test::seed(D));
   std::int64_t in_segment = 0, in_reach = 0, on_line = 0;
   const std::int64_t count = test::scaled(40000);
   for (std::int64_t i = 0; i < count; ++i) {

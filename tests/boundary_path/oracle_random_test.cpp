@@ -31,7 +31,8 @@ TYPED_TEST(OracleRandom, DoublesWithMarginsAgreeWithRationals) {
   for (const auto& family : families::all_families<D>()) {
     const oracle::Oracle<D> oracle(family.mesh.positions, family.mesh.elements);
     const auto faces = static_cast<std::int64_t>(oracle.faces().size());
-    const auto queries = families::QueryMaker<D>(oracle).make_many(test::scaled(kFaceBudget / faces + 3), 77);
+    const auto queries =
+        families::QueryMaker<D>(oracle).make_many(test::scaled(kFaceBudget / faces + 3), test::seed(77));
     std::mutex mutex;
     parallel_for(static_cast<std::int64_t>(queries.size()), 1, [&](std::int64_t i) {
       oracle::Workspace workspace;

@@ -15,7 +15,7 @@ struct Case {
   explicit Case(std::size_t number)
       : subject(families::all_families<D>()[number]),
         finder(subject.mesh, subject.judge.positions()),
-        queries(families::to_library<D>(subject.maker.make_many(test::scaled(150), 9000 + number))),
+        queries(families::to_library<D>(subject.maker.make_many(test::scaled(150), test::seed(9000 + number)))),
         answers(finder.find_paths(queries)) {}
 
   families::Subject<D> subject;

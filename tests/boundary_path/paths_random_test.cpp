@@ -15,7 +15,7 @@ void compare_with_oracle(std::size_t number) {
   const auto& all = families::all_families<D>();
   const families::Subject<D> subject(all[number]);
   const std::int64_t count = test::scaled(kQueries / static_cast<std::int64_t>(all.size()) + 1);
-  const auto queries = subject.maker.make_many(count, 1000 + number);
+  const auto queries = subject.maker.make_many(count, test::seed(1000 + number));
   const BoundaryPathFinder<D> finder(subject.mesh, subject.judge.positions());
   const auto found =
       families::expect_right_paths<D>(subject, queries, finder.find_paths(families::to_library<D>(queries)));
@@ -43,7 +43,7 @@ void compare_located_elements(std::size_t number) {
   const families::Subject<D> subject(families::all_families<D>()[number]);
   const BoundaryPathFinder<D> finder(subject.mesh, subject.judge.positions());
   std::vector<Vec<D>> points;
-  for (const auto& q : subject.maker.make_many(test::scaled(60), 5)) points.push_back(q.point);
+  for (const auto& q : subject.maker.make_many(test::scaled(60), test::seed(5))) points.push_back(q.point);
   const auto located = finder.locate(points);
   ASSERT_EQ(located.first.size(), points.size() + 1);
   ASSERT_EQ(located.first.back(), static_cast<std::int64_t>(located.queries.size()));

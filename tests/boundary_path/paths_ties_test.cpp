@@ -48,7 +48,7 @@ void expect_smallest_faces() {
     if (!families::all_families<D>()[number].is_exact) continue;
     const families::Subject<D> subject(families::all_families<D>()[number]);
     const BoundaryPathFinder<D> finder(subject.mesh, subject.judge.positions());
-    const auto queries = families::to_library<D>(subject.maker.make_many(test::scaled(300), 500 + number));
+    const auto queries = families::to_library<D>(subject.maker.make_many(test::scaled(300), test::seed(500 + number)));
     const auto paths = finder.find_paths(queries);
     oracle::Workspace workspace;
     for (std::size_t i = 0; i < paths.size(); ++i) {
