@@ -55,9 +55,9 @@ void run_make(MakeOptions& options) {
   std::vector<PoseArgument> poses;
   for (const std::string& text : options.poses) poses.push_back(parse_pose(text));
   OutputFiles outputs;
+  if (options.output == "-") throw Error("-o", "a mesh cannot be written to standard output", "name a file");
   for (const auto& file : files_of_mesh(options.output)) outputs.expect(file.string());
   outputs.expect(options.common.json);
-  if (options.output == "-") throw Error("-o", "a mesh cannot be written to standard output", "name a file");
 
   set_size(options);
   const std::string name = shape_name(options);

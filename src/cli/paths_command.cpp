@@ -43,6 +43,14 @@ constexpr const char* kExample =
     "  nx,ny,nz                     outward normal there\n"
     "  volumes,faces,culled,traversals,elements    what the search visited";
 
+/// The direction from the mesh to the eye, of length 1.
+Vec3 view_direction(const PathsOptions& options) {
+  const Vec3 view(options.view[0], options.view[1], options.view[2]);
+  const double largest = view.cwiseAbs().maxCoeff();
+  if (!view.allFinite() || largest == 0) throw Error("--view", "is no direction", "give three numbers, not all 0");
+  return (view / largest).normalized();
+}
+
 /// Announces all outputs before any work is done.
 void expect_outputs(const PathsOptions& options, OutputFiles& outputs) {
   std::vector<std::filesystem::path> inputs = files_of_mesh(options.mesh);
@@ -56,6 +64,7 @@ void expect_outputs(const PathsOptions& options, OutputFiles& outputs) {
   };
   check_extension(options.vtu, "--vtu", ".vtu");
   check_extension(options.picture, "--picture", ".png");
+  if (!options.view.empty()) view_direction(options);
 }
 
 /// Whether the mesh is searched in the plane.
@@ -114,7 +123,7 @@ Image draw(const PathsOptions& options, const MeshFile& file, const SearchResult
   PictureOptions picture;
   picture.width = options.picture_size[0];
   picture.height = options.picture_size[1];
-  if (!options.view.empty()) picture.towards = Vec3(options.view[0], options.view[1], options.view[2]);
+  if (!options.view.empty()) picture.towards = view_direction(options);
   return draw_paths(scene, picture);
 }
 

@@ -147,8 +147,7 @@ MeshFile format::parse_mesh(std::string_view extension, const Source& source, co
 }
 
 std::vector<fs::path> files_of_mesh(const fs::path& path) {
-  const std::string extension = lower(path.extension().string());
-  if (extension == ".node" || extension == ".ele") return {path, twin_of(path)};
+  if (is_tetgen(find_format(path.extension().string(), path.string()))) return {path, twin_of(path)};
   return {path};
 }
 

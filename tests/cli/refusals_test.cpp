@@ -61,6 +61,15 @@ TEST_F(RefusalsTest, NumbersOfThreads) {
   run_well("paths tangled.t -q --threads 4096");
 }
 
+TEST_F(RefusalsTest, DirectionsAndExtensionsBeforeAnyWork) {
+  for (const char* view : {"0 0 0", "nan 0 1", "0 inf 0"}) {
+    expect_refused(std::string("paths missing.t --picture out.png --view ") + view, 2, {"--view: is no direction"});
+  }
+  run_well("paths tangled.t -q --picture out.png --view 1e308 -1e308 1e308");
+  fs::remove(file("out.png"));
+  expect_refused("make box --elements 500000000 -o box.what", 2, {"box.what: the extension '.what' is unknown"});
+}
+
 TEST_F(RefusalsTest, OutputsInThePlaceOfInputs) {
   expect_refused("info tangled.t --json tangled.t", 2, {"would replace an input"});
   expect_refused("info ball.node --json ball.ele", 2, {"ball.ele: would replace an input"});

@@ -40,6 +40,7 @@ MeshFile read_mesh(const std::filesystem::path& path);
 void write_mesh(const std::filesystem::path& path, const MeshFile& mesh, FileEncoding encoding = FileEncoding::kUsual);
 
 /// The files that hold the mesh at this path: itself, and the other half of a TetGen pair.
+/// @throws Error  unknown extension
 std::vector<std::filesystem::path> files_of_mesh(const std::filesystem::path& path);
 
 /// Named values, one per point or per cell, for VTK output. `components` values belong to each.
