@@ -1,12 +1,11 @@
 #include "selvage/bvh/overlap.h"
 
+#include "bvh/merge_sorted.h"
 #include "bvh/pairs_kernel.h"
 #include "selvage/bvh/traverse_pairs.h"
 #include "selvage/core/parallel.h"
 
 #include <algorithm>
-#include <atomic>
-#include <numeric>
 
 namespace selvage {
 
@@ -26,32 +25,11 @@ PairWork split_work(const Bvh& a, const Bvh& b, std::size_t wanted) {
     std::vector<NodePair> smaller;
     for (const NodePair& piece : work.pieces)
       traversal::compare_children<kSelf>(
-          a.nodes(), b.nodes(), piece, [&](NodePair pair) { smaller.push_back(pair); }, visit);
+          a.nodes(), b.nodes(), piece, [&](NodePair pair) { smaller.push_back(pair); },
+          [&](const PrimitiveRow& row) { traversal::visit_row(a.nodes(), b.nodes(), row, visit); });
     work.pieces = std::move(smaller);
   }
   return work;
-}
-
-/// Sorts lists of distinct pairs (i, j), 0 <= i < first_count, into one: all with the same i are brought together, then
-/// sorted by j.
-std::vector<IndexPair> merge_sorted(const std::vector<std::vector<IndexPair>>& lists, Index first_count) {
-  const auto list_count = static_cast<std::int64_t>(lists.size());
-  std::vector<std::int64_t> place(static_cast<std::size_t>(first_count) + 1, 0);
-  parallel_for(list_count, 1, [&](std::int64_t l) {
-    for (const IndexPair& pair : lists[l])
-      std::atomic_ref(place[pair.first + 1]).fetch_add(1, std::memory_order_relaxed);
-  });
-  std::partial_sum(place.begin(), place.end(), place.begin());
-  std::vector<IndexPair> pairs(place.back());
-  // Afterwards place[i] is the end of the pairs of i, whatever order threads came in.
-  parallel_for(list_count, 1, [&](std::int64_t l) {
-    for (const IndexPair& pair : lists[l])
-      pairs[std::atomic_ref(place[pair.first]).fetch_add(1, std::memory_order_relaxed)] = pair;
-  });
-  parallel_for(first_count, 1024, [&](std::int64_t i) {
-    std::sort(pairs.begin() + (i == 0 ? 0 : place[i - 1]), pairs.begin() + place[i]);
-  });
-  return pairs;
 }
 
 /// Runs `find(piece, sink)` for all pieces in parallel.
@@ -66,7 +44,7 @@ std::vector<IndexPair> find_pairs(PairWork work, Index first_count, Find&& find)
   parallel_for(static_cast<std::int64_t>(work.pieces.size()), 1, [&](std::int64_t i) {
     find(work.pieces[i], PairSink{take, &lists[i]});
   });
-  return merge_sorted(lists, first_count);
+  return merge_sorted(std::span<const std::vector<IndexPair>>(lists), first_count, &IndexPair::first);
 }
 
 }  // namespace

@@ -83,6 +83,10 @@ SELVAGE_INLINE unsigned less_bits(Float4 a, Float4 b) {
   return static_cast<unsigned>(
       _mm_movemask_ps(_mm_castsi128_ps(_mm_cmplt_epi32(_mm_castps_si128(a.v), _mm_castps_si128(b.v)))));
 }
+SELVAGE_INLINE unsigned equal_bits(Float4 a, Float4 b) {
+  return static_cast<unsigned>(
+      _mm_movemask_ps(_mm_castsi128_ps(_mm_cmpeq_epi32(_mm_castps_si128(a.v), _mm_castps_si128(b.v)))));
+}
 /// (a0, b0, a1, b1)
 SELVAGE_INLINE Float4 interleave_low(Float4 a, Float4 b) {
   return {_mm_unpacklo_ps(a.v, b.v)};
@@ -161,6 +165,11 @@ SELVAGE_INLINE unsigned less_bits(const Float4& a, const Float4& b) {
   for (int i = 0; i < 4; ++i) mask |= static_cast<unsigned>(float_bits(a.v[i]) < float_bits(b.v[i])) << i;
   return mask;
 }
+SELVAGE_INLINE unsigned equal_bits(const Float4& a, const Float4& b) {
+  unsigned mask = 0;
+  for (int i = 0; i < 4; ++i) mask |= static_cast<unsigned>(float_bits(a.v[i]) == float_bits(b.v[i])) << i;
+  return mask;
+}
 /// (a0, b0, a1, b1)
 SELVAGE_INLINE Float4 interleave_low(const Float4& a, const Float4& b) {
   return {{a.v[0], b.v[0], a.v[1], b.v[1]}};
@@ -236,6 +245,15 @@ SELVAGE_INLINE unsigned less_bits(Float8 a, Float8 b) {
 #endif
 }
 
+SELVAGE_INLINE unsigned equal_bits(Float8 a, Float8 b) {
+#ifdef __AVX512VL__
+  return _mm256_cmpeq_epi32_mask(_mm256_castps_si256(a.v), _mm256_castps_si256(b.v));
+#else
+  return static_cast<unsigned>(
+      _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_castps_si256(a.v), _mm256_castps_si256(b.v)))));
+#endif
+}
+
 #else
 
 struct Float8 {
@@ -280,6 +298,9 @@ SELVAGE_INLINE unsigned less_equal(Float8 a, Float8 b) {
 }
 SELVAGE_INLINE unsigned less_bits(Float8 a, Float8 b) {
   return less_bits(a.low(), b.low()) | (less_bits(a.high(), b.high()) << 4);
+}
+SELVAGE_INLINE unsigned equal_bits(Float8 a, Float8 b) {
+  return equal_bits(a.low(), b.low()) | (equal_bits(a.high(), b.high()) << 4);
 }
 
 #endif

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "selvage/bvh/overlap.h"
+#include "selvage/core/types.h"
+
+namespace selvage {
+
+/// Which pairs of a surface are not asked for, as data: what is left empty or zero filters nothing and costs nothing.
+///
+/// Labels belong to triangles. A vertex or an edge counts as every triangle that it lies on: a pair of a vertex and a
+/// face, or of two edges, stays when one of its pairs of triangles does.
+struct PairFilters {
+  /// (n_triangles) triangles of the same group are no pair; kNone: in no group.
+  std::vector<Index> groups;
+
+  /// (n_triangles) bits: the layers that a triangle is on, and those that it looks at. A pair stays when each looks at a
+  /// layer of the other. Without `seen_layers`, when they have a layer in common.
+  std::vector<std::uint32_t> layers;
+  std::vector<std::uint32_t> seen_layers;
+
+  /// (n_triangles) not 0: the triangle never moves; two that do not are no pair.
+  std::vector<std::uint8_t> is_static;
+
+  /// Pairs of triangles, in any order: no others are pairs unless the list is empty; and none of these is.
+  std::vector<IndexPair> allowed_pairs;
+  std::vector<IndexPair> forbidden_pairs;
+
+  /// Where a path of this many edges or fewer leads from a vertex of the one to a vertex of the other, there is no pair.
+  int neighbour_rings = 0;
+
+  /// (n_vertices) positions at rest: what is nearer than `rest_distance` there is no pair. [m]
+  std::vector<Vec3> rest_positions;
+  double rest_distance = 0;
+};
+
+}  // namespace selvage

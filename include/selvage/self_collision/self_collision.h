@@ -1,0 +1,104 @@
+#pragma once
+
+#include "selvage/geometry/triangle_triangle.h"
+#include "selvage/mesh/triangle_mesh.h"
+#include "selvage/self_collision/pair_filters.h"
+
+#include <compare>
+#include <memory>
+#include <string_view>
+
+namespace selvage {
+
+/// How pairs that cannot collide are left out before they are looked at. No method changes any answer.
+enum class CullingMethod : std::uint8_t {
+  kBvh,  ///< the hierarchy alone: the truth that others are held against
+};
+
+/// The names of the methods, in the order of their numbers.
+std::span<const std::string_view> culling_method_names();
+
+/// The method of that name.
+/// @throws Error  when there is none; it lists those that there are
+CullingMethod culling_method(std::string_view name);
+
+/// What is asked of a surface.
+struct SelfCollisionOptions {
+  CullingMethod method = CullingMethod::kBvh;
+
+  /// Also pairs of triangles that share a vertex or an edge and meet anywhere else, or share all their vertices. For
+  /// discrete queries; continuous ones have no such pairs.
+  bool include_adjacent = false;
+
+  PairFilters filters;
+
+  /// (n_vertices) thickness of the surface at each vertex [m]; empty: none. That of a triangle is its vertices' largest.
+  /// Pairs count that are nearer than the sum of theirs, which is decided up to rounding in the distance. Not for pairs
+  /// that share a vertex, and not for continuous queries.
+  std::vector<double> thickness;
+};
+
+/// Two triangles of a surface that meet; first < second, unless they are of two surfaces.
+struct TrianglePair {
+  Index first;
+  Index second;
+  TriangleContact contact;  ///< kDisjoint: they do not meet, but are nearer than their thickness
+
+  auto operator<=>(const TrianglePair&) const = default;
+};
+
+/// What a search did. Counted only on request, and the same for any number of threads.
+struct SelfCollisionCounters {
+  std::int64_t node_pairs = 0;      ///< pairs of nodes whose children were compared
+  std::int64_t box_pairs = 0;       ///< pairs of triangles whose boxes meet
+  std::int64_t adjacent_pairs = 0;  ///< those that share a vertex
+  std::int64_t exact_tests = 0;     ///< pairs that single precision could not tell apart, and that filters keep
+
+  SelfCollisionCounters& operator+=(const SelfCollisionCounters& other);
+};
+
+/// Which triangles of a surface meet: all pairs, each once, decided exactly.
+///
+/// Holds the hierarchy of one surface; positions are handed in with every new pose and copied. Any surface is legal:
+/// open, closed, of several components, non-manifold, with degenerate triangles or several in one place.
+/// Thread-safe for concurrent queries; update() and rebuild() need exclusive access.
+class SelfCollisionFinder {
+ public:
+  /// @param mesh       topology; must outlive the finder
+  /// @param positions  (n_vertices x 3) [m]
+  /// @throws Error     when sizes differ, a position is not finite, or an option does not fit the mesh
+  SelfCollisionFinder(const TriangleMesh& mesh, std::span<const Vec3> positions, SelfCollisionOptions options = {});
+  ~SelfCollisionFinder();
+  SelfCollisionFinder(SelfCollisionFinder&&) noexcept;
+  SelfCollisionFinder& operator=(SelfCollisionFinder&&) noexcept;
+
+  /// Takes a new pose: refits the hierarchy in O(n), and rebuilds it when its quality has become poor.
+  void update(std::span<const Vec3> positions);
+
+  /// Takes a new pose and builds the hierarchy anew.
+  void rebuild(std::span<const Vec3> positions);
+
+  /// All pairs of triangles that meet; sorted. Triangles that share a vertex are no pair unless options say so.
+  /// Parallel; the same for any number of threads.
+  /// @param counters  null, or where to add what the search did
+  std::vector<TrianglePair> find_pairs(SelfCollisionCounters* counters = nullptr) const;
+
+  /// Whether there is any pair: stops at the first.
+  bool has_pairs(SelfCollisionCounters* counters = nullptr) const;
+
+  /// All pairs with at least one of the given triangles, each once; sorted.
+  /// @throws Error  when a triangle is out of range or given twice
+  std::vector<TrianglePair> find_pairs_of(std::span<const Index> triangles,
+                                          SelfCollisionCounters* counters = nullptr) const;
+
+  /// All pairs (triangle of this surface, triangle of another) that meet; sorted. The surfaces have no vertex in common.
+  /// Thickness counts on both sides; filters, which speak of one surface, do not. O(n) for both, besides the search.
+  std::vector<TrianglePair> find_pairs_with(const SelfCollisionFinder& other,
+                                            SelfCollisionCounters* counters = nullptr) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace selvage

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "self_collision/discrete_scene.h"
+
+namespace selvage {
+
+// Finds the pairs of triangles below a pair of nodes, of a surface with itself or of two hierarchies; and those among
+// listed pairs (primitive of a, primitive of b).
+#define SELVAGE_DISCRETE_KERNEL                                                     \
+  void find_self_collisions(const DiscreteScene&, NodePair start, DiscreteResult&); \
+  void find_collisions(const DiscreteScene&, NodePair start, DiscreteResult&);      \
+  void test_listed_pairs(const DiscreteScene&, std::span<const IndexPair>, DiscreteResult&);
+namespace baseline {
+SELVAGE_DISCRETE_KERNEL
+}
+namespace avx2 {
+SELVAGE_DISCRETE_KERNEL
+}
+namespace avx512 {
+SELVAGE_DISCRETE_KERNEL
+}
+#undef SELVAGE_DISCRETE_KERNEL
+
+/// Decides a pair of triangles (of a, of b) exactly and notes it where it counts; `shared` vertices are common to both,
+/// or -1 where that is to be found out. Compiled once, for every x86-64.
+void decide_pair(const DiscreteScene& scene, Index first, Index second, DiscreteResult& result);
+
+}  // namespace selvage

@@ -1,0 +1,225 @@
+#include "bvh/merge_sorted.h"
+#include "self_collision/discrete_kernel.h"
+#include "self_collision/pair_filter.h"
+#include "self_collision/surface_pose.h"
+#include "selvage/core/error.h"
+#include "selvage/core/parallel.h"
+#include "selvage/self_collision/self_collision.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace selvage {
+
+namespace {
+
+constexpr std::array<std::string_view, 1> kMethodNames{"bvh"};
+constexpr std::size_t kPieces = 512;  ///< enough that threads stay busy where pieces differ in size
+
+/// Vertices of the triangles in the leaves, per node.
+std::vector<LeafVertices> list_leaf_vertices(const Bvh& bvh, std::span<const VertexTuple<3>> triangles,
+                                             std::span<const Index> triangle_of) {
+  std::vector<LeafVertices> leaves(bvh.nodes().size());
+  parallel_for(std::ssize(leaves), 1024, [&](std::int64_t n) {
+    const BvhNode& node = bvh.nodes()[n];
+    for (int i = 0; i < BvhNode::kWidth; ++i) {
+      const bool is_leaf = i < node.child_count && node.children[i] >= 0;
+      const Index t = !is_leaf ? kNone : triangle_of.empty() ? node.children[i] : triangle_of[node.children[i]];
+      for (int k = 0; k < 3; ++k) leaves[n].corners[k][i] = is_leaf ? triangles[t][k] : kNone;
+    }
+  });
+  return leaves;
+}
+
+/// Searches all pieces of the work in parallel, and brings their results together.
+///
+/// @param search  `search(NodePair, DiscreteResult&)`
+std::vector<TrianglePair> search_all(const DiscreteScene& scene, const PairWork& work, Index first_count,
+                                     std::atomic<bool>* stop, SelfCollisionCounters* counters,
+                                     void (*search)(const DiscreteScene&, NodePair, DiscreteResult&)) {
+  std::vector<DiscreteResult> results(work.pieces.size() + 1);
+  for (DiscreteResult& result : results) result.stop = stop;
+  SELVAGE_DISPATCH(test_listed_pairs, scene, work.found, results.back());
+  parallel_for(std::ssize(work.pieces), 1, [&](std::int64_t i) { search(scene, work.pieces[i], results[i]); });
+  std::vector<std::vector<TrianglePair>> lists;
+  for (DiscreteResult& result : results) {
+    lists.push_back(std::move(result.pairs));
+    if (counters != nullptr) *counters += result.counters;
+  }
+  return merge_sorted(std::span<const std::vector<TrianglePair>>(lists), first_count, &TrianglePair::first);
+}
+
+void search_self(const DiscreteScene& scene, NodePair start, DiscreteResult& result) {
+  SELVAGE_DISPATCH(find_self_collisions, scene, start, result);
+}
+void search_two(const DiscreteScene& scene, NodePair start, DiscreteResult& result) {
+  SELVAGE_DISPATCH(find_collisions, scene, start, result);
+}
+
+}  // namespace
+
+std::span<const std::string_view> culling_method_names() {
+  return kMethodNames;
+}
+
+CullingMethod culling_method(std::string_view name) {
+  const auto found = std::find(kMethodNames.begin(), kMethodNames.end(), name);
+  if (found == kMethodNames.end())
+    throw Error("method", fmt::format("there is no method '{}'", name),
+                fmt::format("choose one of {}", fmt::join(kMethodNames, ", ")));
+  return static_cast<CullingMethod>(found - kMethodNames.begin());
+}
+
+SelfCollisionCounters& SelfCollisionCounters::operator+=(const SelfCollisionCounters& other) {
+  node_pairs += other.node_pairs;
+  box_pairs += other.box_pairs;
+  adjacent_pairs += other.adjacent_pairs;
+  exact_tests += other.exact_tests;
+  return *this;
+}
+
+struct SelfCollisionFinder::State {
+  const TriangleMesh& mesh;
+  SelfCollisionOptions options;
+  std::optional<PairFilter> filter;
+  PoseFrame frame;
+  SurfacePose pose;
+  Bvh bvh;
+  std::vector<LeafVertices> leaves;
+
+  State(const TriangleMesh& m, std::span<const Vec3> positions, SelfCollisionOptions o)
+      : mesh(m), options(std::move(o)), filter(PairFilter::where_needed(m, options.filters)) {
+    check_thickness();
+    rebuild(positions);
+  }
+
+  void check_thickness() const {
+    if (!options.thickness.empty() && std::ssize(options.thickness) != mesh.vertex_count())
+      throw Error("thickness", fmt::format("{} entries for {} vertices", options.thickness.size(), mesh.vertex_count()),
+                  "give one per vertex, or none at all");
+    for (std::size_t v = 0; v < options.thickness.size(); ++v)
+      if (!(options.thickness[v] >= 0 && std::isfinite(options.thickness[v])))
+        throw Error(fmt::format("vertex {}", v), "its thickness is no length", "give a number that is not negative");
+  }
+
+  void place(std::span<const Vec3> positions) {
+    check_position_count(mesh, positions);
+    frame = frame_around(positions);
+    pose.place(mesh, positions, options.thickness, frame);
+  }
+
+  void build() {
+    bvh = Bvh(pose.boxes());
+    leaves = list_leaf_vertices(bvh, mesh.triangles(), {});
+  }
+
+  void update(std::span<const Vec3> positions) {
+    place(positions);
+    bvh.refit(pose.boxes());
+    if (bvh.quality_loss() > Bvh::kRebuildAbove) build();
+  }
+
+  void rebuild(std::span<const Vec3> positions) {
+    place(positions);
+    build();
+  }
+
+  static SurfaceView view(const TriangleMesh& mesh, const SurfacePose& pose, const Bvh& bvh,
+                          const std::vector<LeafVertices>& leaves, const std::vector<double>& thickness) {
+    return {bvh.nodes(),
+            leaves.data(),
+            nullptr,
+            mesh.triangles().data(),
+            pose.positions().data(),
+            pose.rounded().data(),
+            thickness.empty() ? nullptr : pose.thickness().data(),
+            thickness.empty() ? nullptr : thickness.data()};
+  }
+
+  DiscreteScene self_scene() const {
+    const SurfaceView surface = view(mesh, pose, bvh, leaves, options.thickness);
+    return {surface, surface, true, options.include_adjacent, nullptr, filter ? &*filter : nullptr};
+  }
+
+  std::vector<TrianglePair> search_self_pairs(std::atomic<bool>* stop, SelfCollisionCounters* counters) const {
+    return search_all(self_scene(), split_self_pair_work(bvh, kPieces), mesh.triangle_count(), stop, counters,
+                      search_self);
+  }
+};
+
+SelfCollisionFinder::SelfCollisionFinder(const TriangleMesh& mesh, std::span<const Vec3> positions,
+                                         SelfCollisionOptions options)
+    : state_(std::make_unique<State>(mesh, positions, std::move(options))) {}
+SelfCollisionFinder::~SelfCollisionFinder() = default;
+SelfCollisionFinder::SelfCollisionFinder(SelfCollisionFinder&&) noexcept = default;
+SelfCollisionFinder& SelfCollisionFinder::operator=(SelfCollisionFinder&&) noexcept = default;
+
+void SelfCollisionFinder::update(std::span<const Vec3> positions) {
+  state_->update(positions);
+}
+
+void SelfCollisionFinder::rebuild(std::span<const Vec3> positions) {
+  state_->rebuild(positions);
+}
+
+std::vector<TrianglePair> SelfCollisionFinder::find_pairs(SelfCollisionCounters* counters) const {
+  return state_->search_self_pairs(nullptr, counters);
+}
+
+bool SelfCollisionFinder::has_pairs(SelfCollisionCounters* counters) const {
+  std::atomic<bool> stop = false;
+  state_->search_self_pairs(&stop, counters);
+  return stop;
+}
+
+std::vector<TrianglePair> SelfCollisionFinder::find_pairs_of(std::span<const Index> triangles,
+                                                             SelfCollisionCounters* counters) const {
+  const State& s = *state_;
+  std::vector<std::uint8_t> in_subset(s.mesh.triangle_count(), 0);
+  std::vector<Box> boxes;
+  for (const Index t : triangles) {
+    if (t < 0 || t >= s.mesh.triangle_count())
+      throw Error(fmt::format("triangle {}", t), "there is no such triangle",
+                  fmt::format("triangles lie in [0, {})", s.mesh.triangle_count()));
+    if (std::exchange(in_subset[t], 1) != 0)
+      throw Error(fmt::format("triangle {}", t), "is given twice", "give each triangle once");
+    boxes.push_back(s.pose.boxes()[t]);
+  }
+  const Bvh part(boxes);
+  const std::vector<LeafVertices> leaves = list_leaf_vertices(part, s.mesh.triangles(), triangles);
+  DiscreteScene scene = s.self_scene();
+  scene.a.nodes = part.nodes();
+  scene.a.leaves = leaves.data();
+  scene.a.triangle_of = triangles.data();
+  scene.in_subset = in_subset.data();
+  return search_all(scene, split_pair_work(part, s.bvh, kPieces), s.mesh.triangle_count(), nullptr, counters,
+                    search_two);
+}
+
+std::vector<TrianglePair> SelfCollisionFinder::find_pairs_with(const SelfCollisionFinder& other,
+                                                               SelfCollisionCounters* counters) const {
+  // Boxes can be compared in one frame only.
+  const PoseFrame frame = frame_around(state_->pose.positions(), other.state_->pose.positions());
+  struct Side {
+    SurfacePose pose;
+    Bvh bvh;
+  };
+  const auto bring = [&](const State& s) {
+    Side side{{}, s.bvh};
+    side.pose.place(s.mesh, s.pose.positions(), s.options.thickness, frame);
+    side.bvh.refit(side.pose.boxes());
+    return side;
+  };
+  const Side a = bring(*state_), b = bring(*other.state_);
+  const auto view = [](const State& s, const Side& side) {
+    return State::view(s.mesh, side.pose, side.bvh, s.leaves, s.options.thickness);
+  };
+  const DiscreteScene scene{view(*state_, a), view(*other.state_, b), false, false, nullptr, nullptr};
+  return search_all(scene, split_pair_work(a.bvh, b.bvh, kPieces), state_->mesh.triangle_count(), nullptr, counters,
+                    search_two);
+}
+
+}  // namespace selvage
