@@ -98,7 +98,10 @@ Command add_bench(CLI::App& app) {
                      "  selvage bench boundary-path --quick --threads 1 --json bench.json", options->common);
   sub->add_option("names", options->names, "Measurements to run; without any, all")->type_name("NAME");
   sub->add_flag("--quick", options->quick, "Small meshes and few rounds, to see that it runs");
-  return {sub, &options->common, [options] { run_bench(*options); }};
+  return {sub, &options->common, [options] {
+            run_bench(*options);
+            return kDone;
+          }};
 }
 
 }  // namespace selvage::cli

@@ -8,8 +8,8 @@
 
 namespace selvage::cli {
 
-/// Exit statuses of the program; 1 is kept for `check`: done, and collisions were found.
-enum ExitStatus : int { kDone = 0, kBadInput = 2, kFailed = 3 };
+/// Exit statuses of the program; kCollisions says `check` alone: done, and there are some.
+enum ExitStatus : int { kDone = 0, kCollisions = 1, kBadInput = 2, kFailed = 3 };
 
 /// Raised where the computation fails for no fault of the input: a full disk, say.
 struct Failure : std::runtime_error {
@@ -23,11 +23,11 @@ struct CommonOptions {
   std::string json;  ///< file of the machine-readable result; "-": standard output; empty: none
 };
 
-/// A subcommand that has been declared; `run` is called after the arguments were read.
+/// A subcommand that has been declared; `run` is called after the arguments were read, and gives the exit status.
 struct Command {
   CLI::App* app;
   CommonOptions* common;
-  std::function<void()> run;
+  std::function<int()> run;
 };
 
 /// Declares a subcommand with the options that all have in common.
@@ -39,6 +39,7 @@ CLI::App* add_subcommand(CLI::App& app, const std::string& name, const std::stri
 
 Command add_info(CLI::App& app);
 Command add_make(CLI::App& app);
+Command add_check(CLI::App& app);
 Command add_paths(CLI::App& app);
 Command add_bench(CLI::App& app);
 

@@ -169,7 +169,10 @@ Command add_info(CLI::App& app) {
                                  "elements, overwound ridges, bounding box, quality.",
                                  kExample, options->common);
   sub->add_option("mesh", options->mesh, "Mesh file")->required()->type_name("MESH");
-  return {sub, &options->common, [options] { run_info(*options); }};
+  return {sub, &options->common, [options] {
+            run_info(*options);
+            return kDone;
+          }};
 }
 
 }  // namespace selvage::cli

@@ -41,9 +41,9 @@ int run_command(const Command& command) {
     const int threads = command.common->threads;
     const int all = static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads > 0 ? threads : all);
-    command.run();
+    const int status = command.run();
     if (std::fflush(stdout) != 0) return report("cannot write to standard output", kFailed);
-    return kDone;
+    return status;
   } catch (const Failure& error) {
     return report(error.what(), kFailed);
   } catch (const SystemError& error) {
@@ -77,8 +77,8 @@ int run_program(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(
       "`selvage COMMAND --help` explains a command and shows an example.\n"
-      "Exit status: 0 done, 2 bad usage or bad input, 3 the computation failed.");
-  const std::array commands{add_info(app), add_make(app), add_paths(app), add_bench(app)};
+      "Exit status: 0 done, 1 done and `check` found collisions, 2 bad usage or bad input, 3 the computation failed.");
+  const std::array commands{add_info(app), add_make(app), add_check(app), add_paths(app), add_bench(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

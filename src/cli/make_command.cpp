@@ -123,7 +123,10 @@ Command add_make(CLI::App& app) {
   auto* ascii = sub->add_flag("--ascii", options->ascii, "Write text where the format has text and binary");
   sub->add_flag("--binary", options->binary, "Write binary where the format has both, as by default but for .off")
       ->excludes(ascii);
-  return {sub, &options->common, [options] { run_make(*options); }};
+  return {sub, &options->common, [options] {
+            run_make(*options);
+            return kDone;
+          }};
 }
 
 }  // namespace selvage::cli

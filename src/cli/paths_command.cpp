@@ -211,7 +211,10 @@ Command add_paths(CLI::App& app) {
   sub->add_option("--view", options->view, "Direction from the mesh to the eye")->expected(3)->type_name("X Y Z");
   sub->add_flag("--planar", options->planar, "Insist on a mesh of triangles in the plane z = 0");
   sub->add_flag("--no-culling", options->no_culling, "Search without infeasible-region culling; same answers");
-  return {sub, &options->common, [options] { run_paths(*options); }};
+  return {sub, &options->common, [options] {
+            run_paths(*options);
+            return kDone;
+          }};
 }
 
 }  // namespace selvage::cli

@@ -8,87 +8,141 @@ inline namespace SELVAGE_ISA {
 
 namespace {
 
-/// Pairs of triangles whose boxes meet, waiting to be looked at eight at once: first in single precision, with a bound
-/// of all rounding, which tells apart nearly all that do not meet; what is left is decided exactly.
-template <bool kAdjacent>
+/// Up to eight pairs of triangles (of a, of b) that are looked at together.
+struct EightPairs {
+  static constexpr int kSize = 8;
+  Index first[kSize];
+  Index second[kSize];
+  int count = 0;
+
+  /// Returns whether it is full.
+  SELVAGE_INLINE bool add(Index a, Index b) {
+    first[count] = a;
+    second[count] = b;
+    return ++count == kSize;
+  }
+
+  /// Repeats the first pair in the empty places. Returns the mask of the pairs.
+  unsigned fill() {
+    for (int i = count; i < kSize; ++i) {
+      first[i] = first[0];
+      second[i] = second[0];
+    }
+    return (1u << count) - 1;
+  }
+};
+
+using EightTriangles = VertexTuple<3>[EightPairs::kSize];
+
+void gather_triangles(const SurfaceView& surface, const EightTriangles& triangles, WideCorner (&corners)[3]) {
+  for (int k = 0; k < 3; ++k) {
+    Index lanes[EightPairs::kSize];
+    for (int i = 0; i < EightPairs::kSize; ++i) lanes[i] = triangles[i][k];
+    corners[k] = gather_corner(surface.rounded, lanes);
+  }
+}
+
+void gather_pairs(const DiscreteScene& scene, const EightPairs& pairs, WideCorner (&a)[3], WideCorner (&b)[3]) {
+  EightTriangles of_a, of_b;
+  for (int i = 0; i < EightPairs::kSize; ++i) {
+    of_a[i] = scene.a.triangles[pairs.first[i]];
+    of_b[i] = scene.b.triangles[pairs.second[i]];
+  }
+  gather_triangles(scene.a, of_a, a);
+  gather_triangles(scene.b, of_b, b);
+}
+
+/// What decides pairs exactly, one by one.
+void decide_all(const DiscreteScene& scene, const EightPairs& pairs, unsigned lanes, DiscreteResult& result) {
+  for (; lanes != 0; lanes &= lanes - 1)
+    decide_pair(scene, pairs.first[lowest_lane(lanes)], pairs.second[lowest_lane(lanes)], result);
+}
+
+/// Pairs of triangles without a common vertex whose boxes meet, looked at eight at once: first the planes of both tell
+/// apart nearly all that do not meet, then their edges most of the rest, in single precision with a bound of all
+/// rounding; what is left is decided exactly.
 class PairBatch {
  public:
   PairBatch(const DiscreteScene& scene, DiscreteResult& result) : scene_(scene), result_(result) {}
 
-  void add(Index first, Index second) {
-    first_[count_] = first;
-    second_[count_] = second;
-    if (++count_ == kSize) flush();
+  SELVAGE_INLINE void add(Index first, Index second) {
+    if (pairs_.add(first, second)) test_planes();
   }
 
   void flush() {
-    if (count_ == 0) return;
-    for (int i = count_; i < kSize; ++i) {
-      first_[i] = first_[0];
-      second_[i] = second_[0];
-    }
-    const unsigned apart = kAdjacent ? adjacent_apart() : apart_by_planes();
-    for (unsigned rest = ~apart & ((1u << count_) - 1); rest != 0; rest &= rest - 1) {
-      const int i = lowest_lane(rest);
-      decide_pair(scene_, first_[i], second_[i], result_);
-    }
-    count_ = 0;
+    if (pairs_.count > 0) test_planes();
+    if (close_.count > 0) test_edges();
   }
 
  private:
-  static constexpr int kSize = 8;
-
-  static void gather(const SurfaceView& surface, const VertexTuple<3> (&vertices)[kSize], WideCorner (&corners)[3]) {
-    for (int k = 0; k < 3; ++k) {
-      Index lanes[kSize];
-      for (int i = 0; i < kSize; ++i) lanes[i] = vertices[i][k];
-      corners[k] = gather_corner(surface.rounded, lanes);
+  void test_planes() {
+    const unsigned lanes = pairs_.fill();
+    WideCorner a[3], b[3];
+    gather_pairs(scene_, pairs_, a, b);
+    const Float8 away = distance(pairs_);
+    const unsigned apart = beside_plane(a, b, away) | beside_plane(b, a, away);
+    for (unsigned rest = lanes & ~apart; rest != 0; rest &= rest - 1) {
+      const int i = lowest_lane(rest);
+      if (close_.add(pairs_.first[i], pairs_.second[i])) test_edges();
     }
+    pairs_.count = 0;
   }
 
-  Float8 distance() const {
+  void test_edges() {
+    const unsigned lanes = close_.fill();
+    WideCorner a[3], b[3];
+    gather_pairs(scene_, close_, a, b);
+    decide_all(scene_, close_, lanes & ~apart_by_edges(a, b, distance(close_)), result_);
+    close_.count = 0;
+  }
+
+  /// How far apart is far enough.
+  Float8 distance(const EightPairs& pairs) const {
     if (scene_.a.thickness == nullptr && scene_.b.thickness == nullptr) return Float8::broadcast(0);
-    float sums[kSize];
-    for (int i = 0; i < kSize; ++i) {
-      const float a = scene_.a.thickness != nullptr ? scene_.a.thickness[first_[i]] : 0;
-      const float b = scene_.b.thickness != nullptr ? scene_.b.thickness[second_[i]] : 0;
+    float sums[EightPairs::kSize];
+    for (int i = 0; i < EightPairs::kSize; ++i) {
+      const float a = scene_.a.thickness != nullptr ? scene_.a.thickness[pairs.first[i]] : 0;
+      const float b = scene_.b.thickness != nullptr ? scene_.b.thickness[pairs.second[i]] : 0;
       sums[i] = (a + b) * 1.000001f;
     }
     return Float8::load(sums);
   }
 
-  /// Pairs of which one triangle lies beside the plane of the other.
-  unsigned apart_by_planes() const {
-    VertexTuple<3> a[kSize], b[kSize];
-    for (int i = 0; i < kSize; ++i) {
-      a[i] = scene_.a.triangles[first_[i]];
-      b[i] = scene_.b.triangles[second_[i]];
-    }
-    WideCorner corners_a[3], corners_b[3];
-    gather(scene_.a, a, corners_a);
-    gather(scene_.b, b, corners_b);
-    const Float8 away = distance();
-    return beside_plane(corners_a, corners_b, away) | beside_plane(corners_b, corners_a, away);
+  const DiscreteScene& scene_;
+  DiscreteResult& result_;
+  EightPairs pairs_, close_;
+};
+
+/// Pairs of triangles that share vertices: what counts is where the other vertices lie.
+class AdjacentBatch {
+ public:
+  AdjacentBatch(const DiscreteScene& scene, DiscreteResult& result) : scene_(scene), result_(result) {}
+
+  void add(Index first, Index second) {
+    if (pairs_.add(first, second)) flush();
   }
 
-  /// The same for triangles that share vertices: what counts is where the other vertices lie.
-  unsigned adjacent_apart() const {
-    VertexTuple<3> a[kSize], b[kSize], others_a[kSize], others_b[kSize];
-    for (int i = 0; i < kSize; ++i) {
-      a[i] = scene_.a.triangles[first_[i]];
-      b[i] = scene_.b.triangles[second_[i]];
-      others_a[i] = unshared(a[i], b[i]);
-      others_b[i] = unshared(b[i], a[i]);
+  void flush() {
+    if (pairs_.count == 0) return;
+    const unsigned lanes = pairs_.fill();
+    EightTriangles others_a, others_b;
+    for (int i = 0; i < EightPairs::kSize; ++i) {
+      const VertexTuple<3>& of_a = scene_.a.triangles[pairs_.first[i]];
+      const VertexTuple<3>& of_b = scene_.b.triangles[pairs_.second[i]];
+      others_a[i] = unshared(of_a, of_b);
+      others_b[i] = unshared(of_b, of_a);
     }
-    WideCorner corners_a[3], corners_b[3], rest_a[3], rest_b[3];
-    gather(scene_.a, a, corners_a);
-    gather(scene_.b, b, corners_b);
-    gather(scene_.a, others_a, rest_a);
-    gather(scene_.b, others_b, rest_b);
+    WideCorner a[3], b[3], rest_a[3], rest_b[3];
+    gather_pairs(scene_, pairs_, a, b);
+    gather_triangles(scene_.a, others_a, rest_a);
+    gather_triangles(scene_.b, others_b, rest_b);
     const Float8 zero = Float8::broadcast(0);
-    return beside_plane(corners_a, rest_b, zero) | beside_plane(corners_b, rest_a, zero);
+    const unsigned apart = beside_plane(a, rest_b, zero) | beside_plane(b, rest_a, zero);
+    decide_all(scene_, pairs_, lanes & ~apart, result_);
+    pairs_.count = 0;
   }
 
+ private:
   /// The vertices of t that are none of u, some twice to make three; t where there is none.
   static VertexTuple<3> unshared(const VertexTuple<3>& t, const VertexTuple<3>& u) {
     VertexTuple<3> others = t;
@@ -101,9 +155,7 @@ class PairBatch {
 
   const DiscreteScene& scene_;
   DiscreteResult& result_;
-  Index first_[kSize];
-  Index second_[kSize];
-  int count_ = 0;
+  EightPairs pairs_;
 };
 
 /// One piece of a search: the hierarchy decides which triangles are looked at.
@@ -194,8 +246,8 @@ class Search {
 
   const DiscreteScene& scene_;
   DiscreteResult& result_;
-  PairBatch<false> disjoint_;
-  PairBatch<true> adjacent_;
+  PairBatch disjoint_;
+  AdjacentBatch adjacent_;
 };
 
 }  // namespace

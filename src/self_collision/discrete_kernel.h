@@ -21,8 +21,7 @@ SELVAGE_DISCRETE_KERNEL
 }
 #undef SELVAGE_DISCRETE_KERNEL
 
-/// Decides a pair of triangles (of a, of b) exactly and notes it where it counts; `shared` vertices are common to both,
-/// or -1 where that is to be found out. Compiled once, for every x86-64.
+/// Decides a pair of triangles (of a, of b) exactly and notes it where it counts. Compiled once, for every x86-64.
 void decide_pair(const DiscreteScene& scene, Index first, Index second, DiscreteResult& result);
 
 }  // namespace selvage

@@ -64,5 +64,42 @@ SELVAGE_INLINE unsigned beside_plane(const WideCorner (&triangle)[3], const Wide
   return less_equal(bound, lowest) | less_equal(highest, negative(bound));
 }
 
+/// Lanes in which the triangles lie apart along a direction by more than `distance` times its length; a and b are
+/// relative to a place near both, none of whose coordinates is off by more than `error`.
+SELVAGE_INLINE unsigned apart_along(const WideCorner& direction, const WideCorner (&a)[3], const WideCorner (&b)[3],
+                                    Float8 error, Float8 distance) {
+  const Float8 p[3] = {dot(direction, a[0]), dot(direction, a[1]), dot(direction, a[2])};
+  const Float8 q[3] = {dot(direction, b[0]), dot(direction, b[1]), dot(direction, b[2])};
+  const Float8 length = magnitude(direction.x) + magnitude(direction.y) + magnitude(direction.z);
+  const Float8 bound = (error + distance) * length + Float8::broadcast(1e-30f);
+  const Float8 above = min(min(p[0], p[1]), p[2]) - max(max(q[0], q[1]), q[2]);
+  const Float8 below = min(min(q[0], q[1]), q[2]) - max(max(p[0], p[1]), p[2]);
+  return less_equal(bound, above) | less_equal(bound, below);
+}
+
+/// Lanes in which the triangles certainly lie farther apart than `distance`: told by the directions normal to an edge
+/// of each, and by those in the plane of one that are normal to an edge of it. With the planes' normals these are all
+/// that tell apart two triangles, in one plane or not.
+SELVAGE_INLINE unsigned apart_by_edges(const WideCorner (&first)[3], const WideCorner (&second)[3], Float8 distance) {
+  const WideCorner origin = first[0];
+  const WideCorner a[3] = {first[0] - origin, first[1] - origin, first[2] - origin};
+  const WideCorner b[3] = {second[0] - origin, second[1] - origin, second[2] - origin};
+  Float8 far = Float8::broadcast(0);
+  for (int i = 0; i < 3; ++i) far = max(far, max(reach(a[i]), reach(b[i])));
+  // Two positions off by their rounding, and below 16 roundings of differences and dot products.
+  const Float8 error = Float8::broadcast(2 * kFrameRounding) + far * Float8::broadcast(0x1p-20f);
+  const WideCorner edges_a[3] = {a[1] - a[0], a[2] - a[1], a[0] - a[2]};
+  const WideCorner edges_b[3] = {b[1] - b[0], b[2] - b[1], b[0] - b[2]};
+  const WideCorner normal_a = cross(edges_a[0], edges_a[1]), normal_b = cross(edges_b[0], edges_b[1]);
+  unsigned apart = 0;
+  for (int i = 0; i < 3; ++i)
+    apart |= apart_along(cross(normal_a, edges_a[i]), a, b, error, distance) |
+             apart_along(cross(normal_b, edges_b[i]), a, b, error, distance);
+  if (apart == 0xff) return apart;
+  for (const WideCorner& u : edges_a)
+    for (const WideCorner& v : edges_b) apart |= apart_along(cross(u, v), a, b, error, distance);
+  return apart;
+}
+
 }  // namespace SELVAGE_ISA
 }  // namespace selvage

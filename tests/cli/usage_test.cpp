@@ -5,7 +5,7 @@ namespace {
 
 using UsageTest = ProgramTest;
 
-const std::vector<std::string> kCommands{"info", "make", "paths", "bench"};
+const std::vector<std::string> kCommands{"info", "make", "check", "paths", "bench"};
 
 TEST_F(UsageTest, HelpNamesEveryCommandAndExitStatus) {
   const Outcome help = run_well("--help");
@@ -47,7 +47,7 @@ TEST_F(UsageTest, BadUsageIsOneLineAndStatusTwo) {
 }
 
 TEST_F(UsageTest, BadInputIsOneLineAndStatusTwo) {
-  for (const char* command : {"info", "paths"}) {
+  for (const char* command : {"info", "check", "paths"}) {
     expect_refused(std::string(command) + " missing.t", 2, {"missing.t"});
     write_text(file("bad.t"), "Vertex 0 0 0 0\nVertex 1 1 0 x\n");
     expect_refused(std::string(command) + " bad.t", 2, {"bad.t:2"});

@@ -13,8 +13,8 @@ struct PairFilters {
   /// (n_triangles) triangles of the same group are no pair; kNone: in no group.
   std::vector<Index> groups;
 
-  /// (n_triangles) bits: the layers that a triangle is on, and those that it looks at. A pair stays when each looks at a
-  /// layer of the other. Without `seen_layers`, when they have a layer in common.
+  /// (n_triangles) bits: the layers that a triangle is on, and those that it looks at. A pair stays when each looks at
+  /// a layer of the other. Without `seen_layers`, when they have a layer in common.
   std::vector<std::uint32_t> layers;
   std::vector<std::uint32_t> seen_layers;
 
@@ -25,7 +25,8 @@ struct PairFilters {
   std::vector<IndexPair> allowed_pairs;
   std::vector<IndexPair> forbidden_pairs;
 
-  /// Where a path of this many edges or fewer leads from a vertex of the one to a vertex of the other, there is no pair.
+  /// Where a path of this many edges or fewer leads from a vertex of the one to a vertex of the other, there is no
+  /// pair.
   int neighbour_rings = 0;
 
   /// (n_vertices) positions at rest: what is nearer than `rest_distance` there is no pair. [m]

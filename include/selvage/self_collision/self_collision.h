@@ -32,9 +32,9 @@ struct SelfCollisionOptions {
 
   PairFilters filters;
 
-  /// (n_vertices) thickness of the surface at each vertex [m]; empty: none. That of a triangle is its vertices' largest.
-  /// Pairs count that are nearer than the sum of theirs, which is decided up to rounding in the distance. Not for pairs
-  /// that share a vertex, and not for continuous queries.
+  /// (n_vertices) thickness of the surface at each vertex [m]; empty: none. That of a triangle is its vertices'
+  /// largest. Pairs count that are nearer than the sum of theirs, which is decided up to rounding in the distance. Not
+  /// for pairs that share a vertex, and not for continuous queries.
   std::vector<double> thickness;
 };
 
@@ -91,8 +91,9 @@ class SelfCollisionFinder {
   std::vector<TrianglePair> find_pairs_of(std::span<const Index> triangles,
                                           SelfCollisionCounters* counters = nullptr) const;
 
-  /// All pairs (triangle of this surface, triangle of another) that meet; sorted. The surfaces have no vertex in common.
-  /// Thickness counts on both sides; filters, which speak of one surface, do not. O(n) for both, besides the search.
+  /// All pairs (triangle of this surface, triangle of another) that meet; sorted. The surfaces have no vertex in
+  /// common. Thickness counts on both sides; filters, which speak of one surface, do not. O(n) for both, besides the
+  /// search.
   std::vector<TrianglePair> find_pairs_with(const SelfCollisionFinder& other,
                                             SelfCollisionCounters* counters = nullptr) const;
 
