@@ -4,32 +4,46 @@
 
 namespace selvage {
 
-/// A point and an element that holds it.
+/// A point, by its place in the order of a search, and an element that holds it.
 struct PointInElement {
   Index point;
   Index element;
   friend bool operator==(PointInElement, PointInElement) = default;
 };
 
-/// What a containment search reads.
+/// A position in the scene's frame, each coordinate to the nearest float (the rest 0).
+using RoundedPosition = std::array<float, 4>;
+
+/// What a containment search reads of the mesh.
 template <int D>
 struct ContainmentScene {
   const Vec<D>* positions;
   const VertexTuple<D + 1>* elements;
-  std::span<const BvhNode> element_nodes;
-  BoxFrame<D> frame;
-  const std::array<float, 4>* rounded;  ///< per vertex: its position in the frame, to the nearest floats
-  float rounding;                       ///< bounds the error of each of them
+  const RoundedPosition* rounded;  ///< of the vertices
+  float rounding;                  ///< bounds the error of each rounded coordinate inside the mesh's box
+  std::span<const BvhNode> nodes;  ///< hierarchy over the elements
 };
 
-/// Points to look for, best in an order that keeps neighbours together: `points[i]` has the number `ids[i]`. With
-/// `skip_own` the numbers are vertices, and elements that have the vertex are left out.
+/// Points that walk down the hierarchy together.
+inline constexpr Index kPointGroup = 16;
+
+/// Which points of a group have the children of a node, where those are elements, as their own: these do not count as
+/// holding the points.
+struct OwnElements {
+  Index node;
+  std::uint16_t points[BvhNode::kWidth];  ///< a bit for each
+};
+
+/// Ends a list of OwnElements.
+inline constexpr Index kBeyondAllNodes = std::numeric_limits<Index>::max();
+
+/// Points to look for, in groups of neighbours: the k-th is number ids[k] of the points.
 template <int D>
 struct PointBatch {
   const Vec<D>* points;
-  const Index* ids;
-  Index count;
-  bool skip_own;
+  const RoundedPosition* rounded;
+  std::span<const Index> ids;
+  std::span<const OwnElements* const> own;  ///< for each group by ascending nodes, then kBeyondAllNodes
 };
 
 /// Grows the list; compiled once, for every x86-64.
@@ -41,7 +55,8 @@ void append_found(std::vector<PointInElement>& found, PointInElement pair);
   void find_containing(const ContainmentScene<3>&, const PointBatch<3>&, std::vector<PointInElement>&); \
   }
 
-/// Appends every pair of a point and an element that holds it (closed, decided exactly), in no particular order.
+/// Appends every pair of a point (its place in `ids`) and an element that holds it (closed, decided exactly) and is not
+/// its own: group after group, inside a group in no particular order.
 SELVAGE_DECLARE_CONTAINMENT_KERNEL(baseline)
 SELVAGE_DECLARE_CONTAINMENT_KERNEL(avx2)
 SELVAGE_DECLARE_CONTAINMENT_KERNEL(avx512)

@@ -1,5 +1,5 @@
 #include "boundary_path/boundary_corner.h"
-#include "boundary_path/containment_kernel.h"
+#include "boundary_path/containment.h"
 #include "boundary_path/path_kernel.h"
 #include "boundary_path/pose.h"
 #include "selvage/core/error.h"
@@ -36,10 +36,6 @@ double length_of(const Vec3& x) {
 
 }  // namespace
 
-void append_found(std::vector<PointInElement>& found, PointInElement pair) {
-  found.push_back(pair);
-}
-
 template <int D>
 struct BoundaryPathFinder<D>::State {
   const SimplexMesh<D>& mesh;
@@ -49,10 +45,10 @@ struct BoundaryPathFinder<D>::State {
   Bvh faces, elements;
   std::vector<ConeNode> cones;      ///< on the nodes of `faces`
   std::vector<Index> element_rank;  ///< place of each element in the order of the leaves: near in rank, near in space
-  std::vector<Index> vertex_order;  ///< boundary vertices in that order
+  ContainmentSearch<D> containment;
 
   State(const SimplexMesh<D>& m, std::span<const Vec<D>> positions, PathOptions o)
-      : mesh(m), options(o), topology(m), pose(m, topology) {
+      : mesh(m), options(o), topology(m), pose(m, topology), containment(m, pose, elements) {
     rebuild(positions);
   }
 
@@ -77,10 +73,7 @@ struct BoundaryPathFinder<D>::State {
     const std::vector<Index> order = elements.leaf_order();
     element_rank.resize(order.size());
     for (std::size_t i = 0; i < order.size(); ++i) element_rank[order[i]] = static_cast<Index>(i);
-    vertex_order.assign(mesh.boundary_vertices().begin(), mesh.boundary_vertices().end());
-    const auto rank = [&](Index v) { return element_rank[mesh.vertex_elements(v).front()]; };
-    std::sort(vertex_order.begin(), vertex_order.end(),
-              [&](Index a, Index b) { return std::pair(rank(a), a) < std::pair(rank(b), b); });
+    containment.rebuild();
   }
 
   PathScene<D> scene() const {
@@ -105,11 +98,6 @@ struct BoundaryPathFinder<D>::State {
             options};
   }
 
-  ContainmentScene<D> containment_scene() const {
-    return {pose.positions().data(),         mesh.elements().data(), elements.nodes(), pose.frame(),
-            pose.rounded_positions().data(), pose.rounding()};
-  }
-
   Vec<D> to_scene(const Vec<D>& x) const { return scaled(x, -pose.exponent()); }
   Vec<D> from_scene(const Vec<D>& x) const { return scaled(x, pose.exponent()); }
   static Vec<D> scaled(const Vec<D>& x, int exponent) {
@@ -120,8 +108,6 @@ struct BoundaryPathFinder<D>::State {
   BoundaryPath<D> describe(const PathTask<D>& task, const PathResult<D>& result) const;
   Vec<D> normal_at(Index face, const PathResult<D>& result) const;
   bool is_skipped(Index element) const;
-  std::vector<PointInElement> find_containing(std::span<const Vec<D>> points, std::span<const Index> ids,
-                                              bool skip_own) const;
 };
 
 template <int D>
@@ -195,28 +181,6 @@ bool BoundaryPathFinder<D>::State::is_skipped(Index element) const {
 }
 
 template <int D>
-std::vector<PointInElement> BoundaryPathFinder<D>::State::find_containing(std::span<const Vec<D>> points,
-                                                                          std::span<const Index> ids,
-                                                                          bool skip_own) const {
-  constexpr Index kPointsAtOnce = 512;
-  const ContainmentScene<D> scene = containment_scene();
-  const Index count = static_cast<Index>(points.size());
-  std::vector<std::vector<PointInElement>> pieces((count + kPointsAtOnce - 1) / kPointsAtOnce);
-  parallel_for(std::ssize(pieces), 1, [&](std::int64_t k) {
-    const Index first = static_cast<Index>(k) * kPointsAtOnce;
-    const Index n = std::min(kPointsAtOnce, count - first);
-    SELVAGE_DISPATCH(find_containing, scene, PointBatch<D>{points.data() + first, ids.data() + first, n, skip_own},
-                     pieces[k]);
-  });
-  std::vector<PointInElement> all;
-  for (const auto& piece : pieces) all.insert(all.end(), piece.begin(), piece.end());
-  std::sort(all.begin(), all.end(), [](const PointInElement& a, const PointInElement& b) {
-    return std::pair(a.point, a.element) < std::pair(b.point, b.element);
-  });
-  return all;
-}
-
-template <int D>
 BoundaryPathFinder<D>::BoundaryPathFinder(const SimplexMesh<D>& mesh, std::span<const Vec<D>> positions,
                                           PathOptions options)
     : state_(std::make_unique<State>(mesh, positions, options)) {}
@@ -281,10 +245,8 @@ std::vector<BoundaryPath<D>> BoundaryPathFinder<D>::find_paths(std::span<const P
 
 template <int D>
 std::vector<PathQuery<D>> BoundaryPathFinder<D>::find_penetrating_vertices() const {
-  std::vector<Vec<D>> points(state_->vertex_order.size());
-  for (std::size_t i = 0; i < points.size(); ++i) points[i] = state_->pose.positions()[state_->vertex_order[i]];
   std::vector<PathQuery<D>> queries;
-  for (const auto& [vertex, element] : state_->find_containing(points, state_->vertex_order, true))
+  for (const auto& [vertex, element] : state_->containment.find_boundary_vertices())
     if (!state_->is_skipped(element))
       queries.push_back({state_->from_scene(state_->pose.positions()[vertex]), element, {vertex, kNone}});
   return queries;
@@ -293,8 +255,6 @@ std::vector<PathQuery<D>> BoundaryPathFinder<D>::find_penetrating_vertices() con
 template <int D>
 typename BoundaryPathFinder<D>::Located BoundaryPathFinder<D>::locate(std::span<const Vec<D>> points) const {
   std::vector<Vec<D>> scaled(points.size());
-  std::vector<Index> ids(points.size());
-  std::iota(ids.begin(), ids.end(), 0);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!points[i].allFinite())
       throw Error(fmt::format("point {}", i), "a coordinate is not finite", "remove NaN and infinity");
@@ -302,7 +262,7 @@ typename BoundaryPathFinder<D>::Located BoundaryPathFinder<D>::locate(std::span<
   }
   Located located;
   located.first.assign(points.size() + 1, 0);
-  for (const auto& [point, element] : state_->find_containing(scaled, ids, false)) {
+  for (const auto& [point, element] : state_->containment.find_points(scaled)) {
     located.queries.push_back({points[point], element, {kNone, kNone}});
     ++located.first[point + 1];
   }

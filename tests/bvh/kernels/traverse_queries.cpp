@@ -2,6 +2,7 @@
 
 #include "bvh/test_boxes.h"
 #include "selvage/bvh/traverse_pairs.h"
+#include "selvage/core/simd16.h"
 
 namespace selvage {
 inline namespace SELVAGE_ISA {
@@ -102,6 +103,83 @@ bool check_rearrangements(const float* a, const float* b) {
   return good;
 }
 
+template <typename Operation, typename Expected>
+bool check_sixteen(const float* a, const float* b, Operation&& operation, Expected&& expected) {
+  float out[16];
+  operation(Float16::load(a), Float16::load(b)).store(out);
+  for (int i = 0; i < 16; ++i)
+    if (std::bit_cast<std::uint32_t>(out[i]) != std::bit_cast<std::uint32_t>(expected(a[i], b[i]))) return false;
+  return true;
+}
+
+bool check_float16() {
+  const float a[16] = {1, -2, 0.0f, -0.0f, kInfinity, kNan, 1e-44f, 7, 3, 1, 4, 1.5f, -9, 2, 6, -5};
+  const float b[16] = {0.1f, -3, -0.0f, 0.0f, -kInfinity, 1, 2e-44f, kNan, -3, 5, 8, 9, 7, -9.5f, 3, 2};
+  const float* const finite[] = {a + 8, b + 8};
+  float c[16], d[16];
+  for (int i = 0; i < 16; ++i) {
+    c[i] = finite[0][i % 8] * (i < 8 ? 1.0f : 1.1f);
+    d[i] = finite[1][i % 8] * (i < 8 ? 1.0f : 0.7f);
+  }
+  bool good = check_sixteen(
+                  c, d, [](Float16 x, Float16 y) { return x + y; }, [](float x, float y) { return x + y; }) &&
+              check_sixteen(
+                  c, d, [](Float16 x, Float16 y) { return x - y; }, [](float x, float y) { return x - y; }) &&
+              check_sixteen(
+                  c, d, [](Float16 x, Float16 y) { return x * y; }, [](float x, float y) { return x * y; }) &&
+              check_sixteen(
+                  a, b, [](Float16 x, Float16 y) { return min(x, y); }, [](float x, float y) { return x < y ? x : y; });
+  for (const unsigned among : {0xffffu, 0u, 0xa5c3u}) {
+    unsigned expected = 0;
+    for (unsigned i = 0; i < 16; ++i) expected |= static_cast<unsigned>(a[i] <= b[i]) << i;
+    good = good && less_equal(Float16::load(a), Float16::load(b), among) == (expected & among);
+  }
+  return good;
+}
+
+bool check_int8() {
+  const std::int32_t a[8] = {0, -1, 5, std::numeric_limits<std::int32_t>::min(), 0, 0x12345, 0, 7};
+  const std::uint16_t words[8] = {0, 1, 0x8000, 0xffff, 3, 0, 9, 7};
+  std::int32_t both[8], inverse[8], packed[8], same[8];
+  (Int8::load(a) & Int8::load(words)).store(both);
+  (~Int8::load(a)).store(inverse);
+  Int8::broadcast(-3).store(same);
+  bool good = zero(Int8::load(a)) == 0x51u && negative(Int8::load(a)) == 0x0au;
+  for (int i = 0; i < 8; ++i) good = good && both[i] == (a[i] & words[i]) && inverse[i] == ~a[i] && same[i] == -3;
+  for (unsigned lanes = 0; lanes < 256; ++lanes) {
+    store_packed(Int8::load(a), lanes, packed);
+    int count = 0;
+    for (int i = 0; i < 8; ++i)
+      if ((lanes >> i & 1u) != 0) good = good && packed[count++] == a[i];
+  }
+  return good;
+}
+
+bool check_masks_between() {
+  AxisMasks masks;
+  for (unsigned axis = 0; axis < 3; ++axis)
+    for (unsigned i = 0; i < 32; ++i) masks[axis][i] = static_cast<std::uint16_t>((i * 40503u + axis * 9973u) * 7919u);
+  bool good = true;
+  for (int first = 0; first < 32; ++first) {
+    float places[6][8];
+    Float8 lower[3], upper[3];
+    for (int k = 0; k < 6; ++k) {
+      for (int i = 0; i < 8; ++i) places[k][i] = static_cast<float>((first + i * (k + 1) + 5 * k) % 32) + 0.11f * i;
+      (k < 3 ? lower[k] : upper[k - 3]) = Float8::load(places[k]);
+    }
+    std::int32_t found[8];
+    masks_between(masks, lower, upper).store(found);
+    for (int i = 0; i < 8; ++i) {
+      std::int32_t expected = 0xffff;
+      for (int axis = 0; axis < 3; ++axis)
+        expected &=
+            masks[axis][static_cast<int>(places[axis][i])] & ~masks[axis][static_cast<int>(places[3 + axis][i])];
+      good = good && found[i] == expected;
+    }
+  }
+  return good;
+}
+
 bool check_masks_of_lanes(const float* a) {
   bool good = true;
   float out[8];
@@ -143,7 +221,8 @@ bool check_simd() {
          check_mask(
              a, b, [](Float8 x, Float8 y) { return less_bits(x, y); },
              [&](float x, float y) { return bits(x) < bits(y); }) &&
-         check_rearrangements(c, d) && check_masks_of_lanes(c);
+         check_rearrangements(c, d) && check_masks_of_lanes(c) && check_float16() && check_int8() &&
+         check_masks_between();
 }
 
 }  // namespace SELVAGE_ISA

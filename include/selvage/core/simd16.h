@@ -1,0 +1,176 @@
+#pragma once
+
+#include "selvage/core/simd.h"
+
+#if defined(__AVX512BW__) && !defined(SELVAGE_SIMD_SCALAR)
+#define SELVAGE_SIMD_AVX512 1
+#endif
+
+/// Sixteen floats and eight integers, by the rules of core/simd.h. Comparisons of floats look only at the lanes
+/// `among`, at no cost.
+namespace selvage {
+inline namespace SELVAGE_ISA {
+
+#ifdef SELVAGE_SIMD_AVX512
+
+struct Float16 {
+  __m512 v;
+
+  SELVAGE_INLINE static Float16 load(const float* p) { return {_mm512_loadu_ps(p)}; }
+  SELVAGE_INLINE static Float16 broadcast(float x) { return {_mm512_set1_ps(x)}; }
+  SELVAGE_INLINE void store(float* p) const { _mm512_storeu_ps(p, v); }
+};
+SELVAGE_INLINE Float16 operator+(Float16 a, Float16 b) {
+  return {_mm512_add_ps(a.v, b.v)};
+}
+SELVAGE_INLINE Float16 operator-(Float16 a, Float16 b) {
+  return {_mm512_sub_ps(a.v, b.v)};
+}
+SELVAGE_INLINE Float16 operator*(Float16 a, Float16 b) {
+  return {_mm512_mul_ps(a.v, b.v)};
+}
+// Masked by all lanes: of the plain intrinsic GCC 12 says that it reads what was never written.
+SELVAGE_INLINE Float16 min(Float16 a, Float16 b) {
+  return {_mm512_maskz_min_ps(0xffff, a.v, b.v)};
+}
+SELVAGE_INLINE unsigned less_equal(Float16 a, Float16 b, unsigned among = 0xffff) {
+  return _mm512_mask_cmp_ps_mask(static_cast<__mmask16>(among), a.v, b.v, _CMP_LE_OQ);
+}
+
+#else
+
+struct Float16 {
+  Float8 halves[2];
+
+  SELVAGE_INLINE static Float16 load(const float* p) { return {{Float8::load(p), Float8::load(p + 8)}}; }
+  SELVAGE_INLINE static Float16 broadcast(float x) { return {{Float8::broadcast(x), Float8::broadcast(x)}}; }
+  SELVAGE_INLINE void store(float* p) const {
+    halves[0].store(p);
+    halves[1].store(p + 8);
+  }
+};
+SELVAGE_INLINE Float16 operator+(Float16 a, Float16 b) {
+  return {{a.halves[0] + b.halves[0], a.halves[1] + b.halves[1]}};
+}
+SELVAGE_INLINE Float16 operator-(Float16 a, Float16 b) {
+  return {{a.halves[0] - b.halves[0], a.halves[1] - b.halves[1]}};
+}
+SELVAGE_INLINE Float16 operator*(Float16 a, Float16 b) {
+  return {{a.halves[0] * b.halves[0], a.halves[1] * b.halves[1]}};
+}
+SELVAGE_INLINE Float16 min(Float16 a, Float16 b) {
+  return {{min(a.halves[0], b.halves[0]), min(a.halves[1], b.halves[1])}};
+}
+SELVAGE_INLINE unsigned less_equal(Float16 a, Float16 b, unsigned among = 0xffff) {
+  return (less_equal(a.halves[0], b.halves[0]) | (less_equal(a.halves[1], b.halves[1]) << 8)) & among;
+}
+
+#endif
+
+#ifdef SELVAGE_SIMD_AVX2
+
+struct Int8 {
+  __m256i v;
+
+  SELVAGE_INLINE static Int8 load(const std::int32_t* p) {
+    return {_mm256_loadu_si256(reinterpret_cast<const __m256i*>(p))};
+  }
+  /// Eight words, without sign.
+  SELVAGE_INLINE static Int8 load(const std::uint16_t* p) {
+    return {_mm256_cvtepu16_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(p)))};
+  }
+  SELVAGE_INLINE static Int8 broadcast(std::int32_t x) { return {_mm256_set1_epi32(x)}; }
+  SELVAGE_INLINE void store(std::int32_t* p) const { _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), v); }
+};
+SELVAGE_INLINE Int8 operator&(Int8 a, Int8 b) {
+  return {_mm256_and_si256(a.v, b.v)};
+}
+SELVAGE_INLINE Int8 operator~(Int8 a) {
+  return {_mm256_xor_si256(a.v, _mm256_set1_epi32(-1))};
+}
+SELVAGE_INLINE unsigned negative(Int8 a) {
+  return static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(a.v)));
+}
+SELVAGE_INLINE unsigned zero(Int8 a) {
+  return static_cast<unsigned>(
+      _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(a.v, _mm256_setzero_si256()))));
+}
+
+#else
+
+struct Int8 {
+  std::int32_t v[8];
+
+  template <typename Integer>
+  SELVAGE_INLINE static Int8 load(const Integer* p) {
+    return {{p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7]}};
+  }
+  SELVAGE_INLINE static Int8 broadcast(std::int32_t x) { return {{x, x, x, x, x, x, x, x}}; }
+  SELVAGE_INLINE void store(std::int32_t* p) const {
+    for (int i = 0; i < 8; ++i) p[i] = v[i];
+  }
+};
+SELVAGE_INLINE Int8 operator&(Int8 a, const Int8& b) {
+  for (int i = 0; i < 8; ++i) a.v[i] &= b.v[i];
+  return a;
+}
+SELVAGE_INLINE Int8 operator~(Int8 a) {
+  for (int i = 0; i < 8; ++i) a.v[i] = ~a.v[i];
+  return a;
+}
+SELVAGE_INLINE unsigned negative(const Int8& a) {
+  unsigned mask = 0;
+  for (int i = 0; i < 8; ++i) mask |= static_cast<unsigned>(a.v[i] < 0) << i;
+  return mask;
+}
+SELVAGE_INLINE unsigned zero(const Int8& a) {
+  unsigned mask = 0;
+  for (int i = 0; i < 8; ++i) mask |= static_cast<unsigned>(a.v[i] == 0) << i;
+  return mask;
+}
+
+#endif
+
+/// Stores the lanes of a mask one after the other; what lies behind them, up to eight lanes in all, is overwritten.
+SELVAGE_INLINE void store_packed(Int8 a, unsigned lanes, std::int32_t* p) {
+#ifdef SELVAGE_SIMD_AVX512
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), _mm256_maskz_compress_epi32(static_cast<__mmask8>(lanes), a.v));
+#else
+  std::int32_t all[8];
+  a.store(all);
+  for (; lanes != 0; lanes &= lanes - 1) *p++ = all[lowest_lane(lanes)];
+#endif
+}
+
+/// A table of 32 masks for each axis.
+using AxisMasks = std::uint16_t[3][32];
+
+/// The masks that all axes have at `lower`, less those that any has at `upper`. Places are truncated; they lie in
+/// [0, 32).
+SELVAGE_INLINE Int8 masks_between(const AxisMasks& masks, const Float8 (&lower)[3], const Float8 (&upper)[3]) {
+#ifdef SELVAGE_SIMD_AVX512
+  const auto at = [&](int axis, Float8 place) {
+    return _mm512_maskz_permutexvar_epi16(~__mmask32{0}, _mm512_castsi256_si512(_mm256_cvttps_epi32(place.v)),
+                                          _mm512_loadu_si512(masks[axis]));
+  };
+  __m512i all = _mm512_set1_epi32(0xffff);
+  for (int axis = 0; axis < 3; ++axis)
+    all = _mm512_and_si512(
+        all, _mm512_and_si512(at(axis, lower[axis]), _mm512_xor_si512(at(axis, upper[axis]), _mm512_set1_epi32(-1))));
+  return {_mm512_maskz_extracti64x4_epi64(0xf, all, 0)};
+#else
+  std::int32_t all[8] = {0xffff, 0xffff, 0xffff, 0xffff, 0xffff, 0xffff, 0xffff, 0xffff};
+  for (int axis = 0; axis < 3; ++axis) {
+    std::int32_t from[8], to[8];
+    lower[axis].low().store_int(from);
+    lower[axis].high().store_int(from + 4);
+    upper[axis].low().store_int(to);
+    upper[axis].high().store_int(to + 4);
+    for (int i = 0; i < 8; ++i) all[i] &= masks[axis][from[i]] & ~masks[axis][to[i]];
+  }
+  return Int8::load(all);
+#endif
+}
+
+}  // namespace SELVAGE_ISA
+}  // namespace selvage

@@ -1,0 +1,165 @@
+#include "boundary_path/containment.h"
+
+#include "selvage/core/isa.h"
+#include "selvage/core/parallel.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace selvage {
+
+void append_found(std::vector<PointInElement>& found, PointInElement pair) {
+  found.push_back(pair);
+}
+
+namespace {
+
+/// Coordinates of a mesh, in its frame, are below 2; what is farther out comes to here.
+constexpr double kFarOutside = 8;
+
+constexpr OwnElements kNoOwn = {kBeyondAllNodes, {}};
+
+std::size_t group_count(std::size_t points) {
+  return (points + kPointGroup - 1) / kPointGroup;
+}
+
+/// The pairs, ascending by point and then element, in linear time when no point has many.
+std::vector<PointInElement> sorted(std::span<const PointInElement> pairs, std::size_t point_count) {
+  std::vector<std::int64_t> next(point_count + 1, 0);  // place of the next pair of each point
+  for (const PointInElement& pair : pairs) ++next[pair.point + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<PointInElement> result(pairs.size());
+  for (const PointInElement& pair : pairs) result[next[pair.point]++] = pair;
+  for (auto first = result.begin(), last = first; first != result.end(); first = last) {
+    last = result.begin() + next[first->point];
+    std::sort(first, last, [](PointInElement a, PointInElement b) { return a.element < b.element; });
+  }
+  return result;
+}
+
+struct NumberedPosition {
+  std::array<float, 3> x;
+  Index number;
+};
+
+int longest_axis(std::span<const NumberedPosition> items) {
+  Box box = Box::empty();
+  for (const NumberedPosition& item : items) box.merge({item.x, item.x});
+  int longest = 0;
+  for (int axis = 1; axis < 3; ++axis)
+    if (box.upper[axis] - box.lower[axis] > box.upper[longest] - box.lower[longest]) longest = axis;
+  return longest;
+}
+
+/// Halves across the longest axis, down to single groups.
+void split_in_halves(std::span<NumberedPosition> items) {
+  constexpr std::size_t kParallelAbove = 4096;
+  const std::size_t groups = group_count(items.size());
+  if (groups <= 1) return;
+  const std::size_t half = groups / 2 * kPointGroup;
+  std::nth_element(items.begin(), items.begin() + half, items.end(),
+                   [axis = longest_axis(items)](const NumberedPosition& a, const NumberedPosition& b) {
+                     return a.x[axis] < b.x[axis] || (a.x[axis] == b.x[axis] && a.number < b.number);
+                   });
+  const auto left = [&] { split_in_halves(items.first(half)); };
+  const auto right = [&] { split_in_halves(items.subspan(half)); };
+  if (items.size() > kParallelAbove) {
+    parallel_invoke(left, right);
+  } else {
+    left();
+    right();
+  }
+}
+
+}  // namespace
+
+void order_in_space(std::span<const RoundedPosition> positions, std::span<Index> numbers) {
+  std::vector<NumberedPosition> items(numbers.size());
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const RoundedPosition& x = positions[numbers[i]];
+    items[i] = {{x[0], x[1], x[2]}, numbers[i]};
+  }
+  split_in_halves(items);
+  for (std::size_t i = 0; i < items.size(); ++i) numbers[i] = items[i].number;
+}
+
+template <int D>
+void ContainmentSearch<D>::rebuild() {
+  boundary_order_.assign(mesh_.boundary_vertices().begin(), mesh_.boundary_vertices().end());
+  order_in_space(pose_.rounded_positions(), boundary_order_);
+  list_own_elements();
+}
+
+/// In one pass over all nodes in their order, so that nothing need be sorted.
+template <int D>
+void ContainmentSearch<D>::list_own_elements() {
+  std::vector<Index> place_of(mesh_.vertex_count(), kNone);
+  for (std::size_t i = 0; i < boundary_order_.size(); ++i) place_of[boundary_order_[i]] = static_cast<Index>(i);
+  own_elements_.clear();
+  own_elements_.resize(group_count(boundary_order_.size()));
+  const std::span<const BvhNode> nodes = elements_.nodes();
+  for (Index n = 0; n < std::ssize(nodes); ++n)
+    for (int i = 0; i < nodes[n].child_count; ++i) {
+      if (nodes[n].children[i] < 0) continue;
+      for (Index v : mesh_.elements()[nodes[n].children[i]]) {
+        if (place_of[v] == kNone) continue;
+        auto& own = own_elements_[place_of[v] / kPointGroup];
+        if (own.empty() || own.back().node != n) own.push_back({n, {}});
+        own.back().points[i] |= static_cast<std::uint16_t>(1u << place_of[v] % kPointGroup);
+      }
+    }
+  own_of_groups_.clear();
+  for (auto& own : own_elements_) {
+    own.push_back(kNoOwn);
+    own_of_groups_.push_back(own.data());
+  }
+}
+
+template <int D>
+std::vector<PointInElement> ContainmentSearch<D>::find_boundary_vertices() const {
+  return find({pose_.positions().data(), pose_.rounded_positions().data(), boundary_order_, own_of_groups_},
+              pose_.positions().size());
+}
+
+template <int D>
+std::vector<PointInElement> ContainmentSearch<D>::find_points(std::span<const Vec<D>> points) const {
+  constexpr std::int64_t kGrain = 4096;
+  std::vector<RoundedPosition> rounded(points.size());
+  parallel_for(std::ssize(points), kGrain, [&](std::int64_t k) {
+    rounded[k] = {};
+    for (int i = 0; i < D; ++i)
+      rounded[k][i] = static_cast<float>(std::clamp(points[k][i] - pose_.frame().origin[i], -kFarOutside, kFarOutside));
+  });
+  std::vector<Index> order(points.size());
+  std::iota(order.begin(), order.end(), 0);
+  order_in_space(rounded, order);
+  const std::vector<const OwnElements*> own(group_count(points.size()), &kNoOwn);
+  return find({points.data(), rounded.data(), order, own}, points.size());
+}
+
+template <int D>
+std::vector<PointInElement> ContainmentSearch<D>::find(const PointBatch<D>& batch, std::size_t point_count) const {
+  constexpr std::size_t kGroupsAtOnce = 32, kPointsAtOnce = kGroupsAtOnce * kPointGroup;
+  const ContainmentScene<D> scene{pose_.positions().data(), mesh_.elements().data(), pose_.rounded_positions().data(),
+                                  pose_.rounding(), elements_.nodes()};
+  const auto share = [](auto all, std::size_t k, std::size_t at_once) {
+    const auto rest = all.subspan(k * at_once);
+    return rest.first(std::min(rest.size(), at_once));
+  };
+  std::vector<std::vector<PointInElement>> pieces((batch.own.size() + kGroupsAtOnce - 1) / kGroupsAtOnce);
+  parallel_for(std::ssize(pieces), 1, [&](std::int64_t k) {
+    const PointBatch<D> piece{batch.points, batch.rounded, share(batch.ids, k, kPointsAtOnce),
+                              share(batch.own, k, kGroupsAtOnce)};
+    SELVAGE_DISPATCH(find_containing, scene, piece, pieces[k]);
+  });
+
+  std::vector<PointInElement> pairs;
+  for (std::size_t k = 0; k < pieces.size(); ++k)
+    for (const auto& [place, element] : pieces[k]) pairs.push_back({batch.ids[k * kPointsAtOnce + place], element});
+  return sorted(pairs, point_count);
+}
+
+template class ContainmentSearch<2>;
+template class ContainmentSearch<3>;
+
+}  // namespace selvage

@@ -1,0 +1,211 @@
+// Elements that hold points, against all pairs: groups of every size, points on every feature, every instruction set.
+#include "boundary_path/containment.h"
+
+#include "boundary_path/compare.h"
+#include "selvage/core/isa.h"
+#include "test_scale.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace selvage {
+namespace {
+
+// Vertices, middles of edges, faces and elements, and the same a little and very far off.
+template <int D>
+std::vector<Vec<D>> make_points(const families::Subject<D>& subject, std::size_t count, families::Random& random) {
+  const auto& x = subject.judge.positions();
+  std::vector<Vec<D>> points;
+  while (points.size() < count) {
+    const auto& element = subject.mesh.elements()[random.below(subject.mesh.element_count())];
+    const Index corners = 1 + random.below(D + 1);
+    Vec<D> p = Vec<D>::Zero();
+    for (Index k = 0; k < corners; ++k) p += x[element[k]] / corners;
+    const Index axis = random.below(D);
+    switch (random.below(8)) {
+      case 0:
+        p[axis] = p[axis] != 0 ? std::nextafter(p[axis], HUGE_VAL) : 0x1p-60;
+        break;
+      case 1:
+        p[axis] = p[axis] != 0 ? std::nextafter(p[axis], -HUGE_VAL) : -0x1p-60;
+        break;
+      case 2:
+        p[axis] += 1e-7 * (x[element[1]][axis] - x[element[0]][axis]);
+        break;
+      case 3:
+        p[axis] = random.below(2) == 0 ? 1e300 : -1e300;
+        break;
+      default:
+        break;
+    }
+    points.push_back(p);
+  }
+  return points;
+}
+
+template <int D>
+void expect_holders(const families::Subject<D>& subject, const std::vector<Vec<D>>& points,
+                    const typename BoundaryPathFinder<D>::Located& located) {
+  ASSERT_EQ(located.first.size(), points.size() + 1);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::vector<Index> right, found;
+    for (Index e = 0; e < subject.mesh.element_count(); ++e)
+      if (subject.judge.holds(e, points[i])) right.push_back(e);
+    for (auto k = located.first[i]; k < located.first[i + 1]; ++k) found.push_back(located.queries[k].element);
+    ASSERT_EQ(found, right) << "point " << i << " of " << points.size() << ": " << points[i].transpose();
+  }
+}
+
+template <int D>
+void locate_groups_of_every_size(std::size_t number) {
+  const families::Subject<D> subject(families::all_families<D>()[number]);
+  const BoundaryPathFinder<D> finder(subject.mesh, subject.judge.positions());
+  families::Random random(number);
+  for (const std::size_t count : {1, 2, 3, 8, 15, 16, 17, 33}) {
+    const auto points = make_points(subject, test::scaled(20) < 20 ? count % 17 : count, random);
+    expect_holders<D>(subject, points, finder.locate(points));
+  }
+}
+
+// What a point is asked together with changes nothing.
+template <int D>
+void locate_alone_and_together(std::size_t number) {
+  const families::Subject<D> subject(families::all_families<D>()[number]);
+  const BoundaryPathFinder<D> finder(subject.mesh, subject.judge.positions());
+  families::Random random(100 + number);
+  const auto points = make_points(subject, test::scaled(1000), random);
+  const auto together = finder.locate(points);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto alone = finder.locate(std::span(points).subspan(i, 1));
+    ASSERT_EQ(static_cast<std::int64_t>(alone.queries.size()), together.first[i + 1] - together.first[i]) << i;
+    for (std::size_t k = 0; k < alone.queries.size(); ++k)
+      ASSERT_EQ(alone.queries[k].element, together.queries[together.first[i] + k].element) << i;
+  }
+}
+
+// Groups and own elements are listed when the hierarchy is built: a refit, and a build elsewhere, must do as well.
+template <int D>
+void find_vertices_after_refit(std::size_t number) {
+  const families::Subject<D> subject(families::all_families<D>()[number]);
+  auto elsewhere = subject.judge.positions();
+  std::reverse(elsewhere.begin(), elsewhere.end());
+  BoundaryPathFinder<D> finder(subject.mesh, elsewhere);
+  finder.update(subject.judge.positions());
+  const auto found = finder.find_penetrating_vertices();
+  const auto right = subject.judge.penetrating_vertices();
+  ASSERT_EQ(found.size(), right.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    ASSERT_EQ(found[i].source[0], right[i].vertex) << i;
+    ASSERT_EQ(found[i].element, right[i].element) << i;
+  }
+}
+
+using Found = std::vector<std::pair<Index, Index>>;
+
+template <int D>
+using Kernel = void (*)(const ContainmentScene<D>&, const PointBatch<D>&, std::vector<PointInElement>&);
+
+// All vertices in the order of their numbers, which is none of space, with no element as their own.
+template <int D>
+void compare_kernels(std::size_t number) {
+  const families::Subject<D> subject(families::all_families<D>()[number]);
+  const auto& mesh = subject.mesh;
+  const PathTopology<D> topology(mesh);
+  Pose<D> pose(mesh, topology);
+  pose.set(subject.judge.positions());
+  std::vector<Box> boxes;
+  for (const auto& element : mesh.elements()) {
+    Vec<D> lower = pose.positions()[element[0]], upper = lower;
+    for (Index v : element) {
+      lower = lower.cwiseMin(pose.positions()[v]);
+      upper = upper.cwiseMax(pose.positions()[v]);
+    }
+    boxes.push_back(pose.frame().around(lower, upper));
+  }
+  const Bvh bvh(boxes);
+  const ContainmentScene<D> scene{pose.positions().data(), mesh.elements().data(), pose.rounded_positions().data(),
+                                  pose.rounding(), bvh.nodes()};
+  std::vector<Index> ids(mesh.vertex_count());
+  std::iota(ids.begin(), ids.end(), 0);
+  const OwnElements no_own{kBeyondAllNodes, {}};
+  const std::vector<const OwnElements*> own((ids.size() + kPointGroup - 1) / kPointGroup, &no_own);
+  const PointBatch<D> batch{scene.positions, scene.rounded, ids, own};
+
+  Found right;
+  for (Index v : ids)
+    for (Index e = 0; e < mesh.element_count(); ++e)
+      if (subject.judge.holds(e, subject.judge.positions()[v])) right.emplace_back(v, e);
+  const std::pair<Isa, Kernel<D>> kernels[] = {{Isa::baseline, &baseline::find_containing},
+                                               {Isa::avx2, &avx2::find_containing},
+                                               {Isa::avx512, &avx512::find_containing}};
+  for (const auto& [isa, kernel] : kernels) {
+    if (isa > active_isa()) continue;
+    std::vector<PointInElement> pairs;
+    kernel(scene, batch, pairs);
+    Found found;
+    for (const auto& [point, element] : pairs) found.emplace_back(point, element);
+    std::sort(found.begin(), found.end());
+    ASSERT_EQ(found, right) << isa_name(isa);
+  }
+}
+
+class PlanarContainment : public testing::TestWithParam<std::size_t> {};
+class SolidContainment : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(PlanarContainment, OfGroupsOfEverySize) {
+  locate_groups_of_every_size<2>(GetParam());
+}
+TEST_P(SolidContainment, OfGroupsOfEverySize) {
+  locate_groups_of_every_size<3>(GetParam());
+}
+TEST_P(PlanarContainment, IsTheSameAloneAndTogether) {
+  locate_alone_and_together<2>(GetParam());
+}
+TEST_P(SolidContainment, IsTheSameAloneAndTogether) {
+  locate_alone_and_together<3>(GetParam());
+}
+TEST_P(PlanarContainment, OfVerticesAfterARefit) {
+  find_vertices_after_refit<2>(GetParam());
+}
+TEST_P(SolidContainment, OfVerticesAfterARefit) {
+  find_vertices_after_refit<3>(GetParam());
+}
+TEST_P(PlanarContainment, IsThatOfAllPairsForEveryInstructionSet) {
+  compare_kernels<2>(GetParam());
+}
+TEST_P(SolidContainment, IsThatOfAllPairsForEveryInstructionSet) {
+  compare_kernels<3>(GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(Families, PlanarContainment,
+                         testing::Range<std::size_t>(0, families::planar_families().size()), families::family_name<2>);
+INSTANTIATE_TEST_SUITE_P(Families, SolidContainment, testing::Range<std::size_t>(0, families::solid_families().size()),
+                         families::family_name<3>);
+
+TEST(OrderInSpace, KeepsNeighboursInGroups) {
+  constexpr Index kCount = 40 * kPointGroup + 7;
+  std::vector<RoundedPosition> line(kCount);
+  std::vector<Index> numbers(kCount);
+  for (Index i = 0; i < kCount; ++i) {
+    numbers[i] = i;
+    line[i] = {1, static_cast<float>(i * 331 % kCount), 1, 0};  // each place once
+  }
+  order_in_space(line, numbers);
+  for (Index i = 0; i < kCount; ++i)
+    EXPECT_EQ(static_cast<Index>(line[numbers[i]][1]) / kPointGroup, i / kPointGroup) << i;
+}
+
+TEST(OrderInSpace, TakesPointsAtOnePlace) {
+  const std::vector<RoundedPosition> here(1000, RoundedPosition{1, 2, 3, 0});
+  std::vector<Index> numbers(here.size()), all(here.size());
+  std::iota(all.rbegin(), all.rend(), 0);
+  numbers = all;
+  order_in_space(here, numbers);
+  EXPECT_TRUE(std::is_permutation(numbers.begin(), numbers.end(), all.begin()));
+}
+
+}  // namespace
+}  // namespace selvage
