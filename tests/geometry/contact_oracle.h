@@ -32,30 +32,28 @@ ExactVec<T> cross(const ExactVec<T>& a, const ExactVec<T>& b) {
 }
 template <class T>
 bool is_zero(const ExactVec<T>& a) {
-  return a[0] == 0 && a[1] == 0 && a[2] == 0;
+  return sign(a[0]) == 0 && sign(a[1]) == 0 && sign(a[2]) == 0;
 }
 
-/// What the differences a_i - b_j of all vertices of two convex sets tell: the sets meet where 0 is in the hull of the
-/// differences, their relative interiors where it is in the relative interior of the hull.
-template <class T>
-class Differences {
+/// Where 0 lies with regard to the hull of some points. Two convex sets meet where it is in the hull of all differences
+/// of their vertices, their relative interiors where it is in the relative interior of that hull.
+template <class T, int Count>
+class HullOfPoints {
  public:
-  Differences(const ExactTriangle<T>& a, const ExactTriangle<T>& b) {
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) d_[3 * i + j] = a[i] - b[j];
+  explicit HullOfPoints(const std::array<ExactVec<T>, Count>& points) : d_(points) {
     for (int i = 0; i < kCount; ++i)
       for (int j = 0; j < kCount; ++j) cross_[i][j] = cross(d_[i], d_[j]);
   }
 
   /// Caratheodory: 0 is in the hull of at most four of the points, affinely independent.
-  bool hull_has_zero() const {
+  bool has_zero() const {
     for (int i = 0; i < kCount; ++i)
       for (int j = i; j < kCount; ++j)
-        if (is_zero(cross_[i][j]) && dot(d_[i], d_[j]) <= 0) return true;
+        if (is_zero(cross_[i][j]) && sign(dot(d_[i], d_[j])) <= 0) return true;
     for (int i = 0; i < kCount; ++i)
       for (int j = i + 1; j < kCount; ++j)
         for (int k = j + 1; k < kCount; ++k) {
-          if (det(i, j, k) == 0 && triangle_has_zero(i, j, k)) return true;
+          if (sign(det(i, j, k)) == 0 && triangle_has_zero(i, j, k)) return true;
           for (int l = k + 1; l < kCount; ++l)
             if (tetrahedron_has_zero(i, j, k, l)) return true;
         }
@@ -64,7 +62,7 @@ class Differences {
 
   /// 0 is in the relative interior unless a half-space through 0 holds all points, some of them inside. Where there is
   /// one, one has a border through as many independent points as the points' span allows.
-  bool hull_has_zero_inside() const {
+  bool has_zero_inside() const {
     const ExactVec<T>* normal = nullptr;
     for (int i = 0; i < kCount; ++i)
       for (int j = i + 1; j < kCount; ++j) {
@@ -79,7 +77,7 @@ class Differences {
   }
 
  private:
-  static constexpr int kCount = 9;
+  static constexpr int kCount = Count;
   std::array<ExactVec<T>, kCount> d_;
   std::array<std::array<ExactVec<T>, kCount>, kCount> cross_;
 
@@ -88,7 +86,7 @@ class Differences {
   bool triangle_has_zero(int i, int j, int k) const {
     const auto &x = cross_[i][j], &y = cross_[j][k], &z = cross_[k][i];
     if (is_zero(x) && is_zero(y) && is_zero(z)) return false;
-    return dot(x, y) >= 0 && dot(y, z) >= 0 && dot(z, x) >= 0;
+    return sign(dot(x, y)) >= 0 && sign(dot(y, z)) >= 0 && sign(dot(z, x)) >= 0;
   }
   bool tetrahedron_has_zero(int i, int j, int k, int l) const {
     const int signs[] = {sign(det(j, k, l)), -sign(det(i, k, l)), sign(det(i, j, l)), -sign(det(i, j, k))};
@@ -127,9 +125,11 @@ bool in_one_plane(const ExactTriangle<T>& a, const ExactTriangle<T>& b) {
 
 template <class T>
 TriangleContact contact_by_definition(const ExactTriangle<T>& a, const ExactTriangle<T>& b) {
-  const Differences<T> differences(a, b);
-  if (!differences.hull_has_zero()) return TriangleContact::kDisjoint;
-  if (!differences.hull_has_zero_inside()) return TriangleContact::kTouching;
+  std::array<ExactVec<T>, 9> differences;
+  for (int i = 0; i < 9; ++i) differences[i] = a[i / 3] - b[i % 3];
+  const HullOfPoints<T, 9> hull(differences);
+  if (!hull.has_zero()) return TriangleContact::kDisjoint;
+  if (!hull.has_zero_inside()) return TriangleContact::kTouching;
   return in_one_plane(a, b) ? TriangleContact::kCoplanarOverlap : TriangleContact::kCrossing;
 }
 

@@ -81,7 +81,7 @@ void compare_with_lattice(std::uint64_t seed, std::int64_t count, int low_expone
 }
 
 TEST(TriangleContact, EqualsTheDefinitionOnCoarseLattices) {
-  compare_with_lattice(1, scaled(400'000), -60, 60);
+  compare_with_lattice(1, scaled(300'000), -60, 60);
 }
 TEST(TriangleContact, EqualsTheDefinitionAtAnyMagnitude) {
   compare_with_lattice(2, scaled(50'000), -1074, 1015);
@@ -91,7 +91,7 @@ TEST(TriangleContact, EqualsTheDefinitionAtAnyMagnitude) {
 TEST(TriangleContact, EqualsTheDefinitionOnTheSmallestLattices) {
   RandomSource random(3);
   std::int64_t wrong = 0;
-  for (std::int64_t n = 0; n < scaled(500'000); ++n) {
+  for (std::int64_t n = 0; n < scaled(300'000); ++n) {
     const std::int64_t size = random.integer(1, 2);
     LatticePair lattice{};
     for (auto* triangle : {&lattice.a, &lattice.b})
@@ -193,7 +193,7 @@ LatticePair random_adjacent_pair(RandomSource& random) {
 TEST(MeetBeyondVertex, EqualsTheDefinition) {
   RandomSource random(7);
   std::int64_t wrong = 0, met = 0;
-  const std::int64_t count = scaled(1'000'000);
+  const std::int64_t count = scaled(500'000);
   for (std::int64_t n = 0; n < count; ++n) {
     const LatticePair lattice = random_adjacent_pair<1>(random);
     const double scale = std::ldexp(1.0, static_cast<int>(n % 32 == 0 ? random.integer(-1074, 1015) : 0));
@@ -232,7 +232,7 @@ TEST(MeetBeyondVertex, EqualsTheDefinitionOnDoubles) {
 TEST(MeetBeyondEdge, EqualsTheDefinition) {
   RandomSource random(9);
   std::int64_t wrong = 0, met = 0;
-  const std::int64_t count = scaled(1'000'000);
+  const std::int64_t count = scaled(500'000);
   for (std::int64_t n = 0; n < count; ++n) {
     const LatticePair lattice = random_adjacent_pair<2>(random);
     const double scale = std::ldexp(1.0, static_cast<int>(n % 32 == 0 ? random.integer(-1074, 1015) : 0));

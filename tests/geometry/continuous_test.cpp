@@ -1,0 +1,463 @@
+#include "selvage/geometry/continuous.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "geometry/continuous_exact.h"
+#include "tarski_oracle.h"
+#include "test_scale.h"
+
+namespace selvage {
+namespace {
+
+using test::RandomSource;
+using test::scaled;
+
+constexpr auto kVertexFace = ContinuousPair::kVertexFace;
+constexpr auto kEdgeEdge = ContinuousPair::kEdgeEdge;
+
+/// Eight points: four at time 0, then four at time 1.
+using LatticeMotion = std::array<test::ExactVec<std::int64_t>, 8>;
+
+MovingPoints to_points(const LatticeMotion& lattice, double scale = 1) {
+  MovingPoints points;
+  for (int i = 0; i < 4; ++i) {
+    points.t0[i] = test::to_point<3>(lattice[i], scale);
+    points.t1[i] = test::to_point<3>(lattice[4 + i], scale);
+  }
+  return points;
+}
+
+bool meet(ContinuousPair pair, const MovingPoints& points) {
+  return pair == kVertexFace ? vertex_meets_face(points) : edge_meets_edge(points);
+}
+std::optional<double> impact(ContinuousPair pair, const MovingPoints& points) {
+  return pair == kVertexFace ? vertex_face_impact(points) : edge_edge_impact(points);
+}
+bool meet_by_definition(ContinuousPair pair, const test::ExactMotion& motion) {
+  return pair == kVertexFace ? test::ever_meet_by_definition<1>(motion) : test::ever_meet_by_definition<2>(motion);
+}
+
+MovingPoints reversed(const MovingPoints& points) {
+  return {points.t1, points.t0};
+}
+
+/// Kinds of lattice motion, from the plain to the most degenerate.
+enum class Kind { kFree, kSlow, kTogether, kStill, kInOnePlane, kOnOneLine, kDegenerate, kAppointment, kCount };
+
+/// Where the sets meet or nearly do: the first point of a set on a feature of the other.
+void arrange_contact(RandomSource& random, ContinuousPair pair, test::ExactVec<std::int64_t>* p) {
+  if (random.integer(0, 3) == 0) return;
+  const std::int64_t i = random.integer(0, 4), j = pair == kVertexFace ? random.integer(0, 4) : 0;
+  for (int k = 0; k < 3; ++k) {
+    if (pair == kVertexFace)
+      p[0][k] = p[1][k] + i * (p[2][k] - p[1][k]) / 4 + j * (p[3][k] - p[1][k]) / 4;
+    else
+      p[0][k] = p[2][k] + i * (p[3][k] - p[2][k]) / 4;
+  }
+}
+
+LatticeMotion random_motion(RandomSource& random, ContinuousPair pair, Kind kind) {
+  const std::int64_t range = random.integer(1, 6);
+  LatticeMotion x;
+  for (auto& point : x)
+    for (auto& c : point) c = 4 * random.integer(-range, range);
+  const auto point_at = [&](int i, int k, std::int64_t n) { return x[i][k] + n; };
+  switch (kind) {
+    case Kind::kSlow:
+      for (int i = 0; i < 4; ++i)
+        for (int k = 0; k < 3; ++k) x[4 + i][k] = point_at(i, k, random.integer(-2, 2));
+      break;
+    case Kind::kTogether: {
+      arrange_contact(random, pair, x.data());
+      const auto velocity = random.lattice_point<3>(range);
+      for (int i = 0; i < 4; ++i)
+        for (int k = 0; k < 3; ++k) x[4 + i][k] = point_at(i, k, velocity[k]);
+      if (random.integer(0, 1) == 0) x[random.integer(0, 7)][random.integer(0, 2)] += random.integer(-1, 1);
+      break;
+    }
+    case Kind::kStill:
+      arrange_contact(random, pair, x.data());
+      for (int i = 0; i < 4; ++i) x[4 + i] = x[i];
+      break;
+    case Kind::kInOnePlane: {
+      const std::int64_t a = random.integer(-1, 1), b = random.integer(-1, 1);
+      for (auto& point : x) point[2] = a * point[0] + b * point[1];
+      break;
+    }
+    case Kind::kOnOneLine: {
+      const std::int64_t a = random.integer(-1, 1), b = random.integer(-1, 1);
+      for (auto& point : x) {
+        point[1] = a * point[0];
+        point[2] = b * point[0];
+      }
+      break;
+    }
+    case Kind::kDegenerate: {
+      const auto i = random.integer(0, 3), j = random.integer(0, 3);
+      x[i] = x[j];
+      if (random.integer(0, 2) != 0) x[4 + i] = x[4 + j];
+      if (random.integer(0, 3) == 0) x[4 + random.integer(0, 3)] = x[4 + random.integer(0, 3)];
+      break;
+    }
+    case Kind::kAppointment: {  // in contact at some fraction of the time
+      arrange_contact(random, pair, x.data());
+      const std::int64_t before = random.integer(0, 3), after = random.integer(0, 3);
+      for (int i = 0; i < 4; ++i) {
+        const auto velocity = random.lattice_point<3>(3);
+        for (int k = 0; k < 3; ++k) {
+          x[4 + i][k] = x[i][k] + after * velocity[k];
+          x[i][k] -= before * velocity[k];
+        }
+      }
+      if (random.integer(0, 2) == 0) x[random.integer(0, 7)][random.integer(0, 2)] += random.integer(-1, 1);
+      break;
+    }
+    default:
+      break;
+  }
+  return x;
+}
+
+Kind kind_of(std::int64_t n) {
+  return static_cast<Kind>(n % static_cast<int>(Kind::kCount));
+}
+
+void compare_lattice_with_definition(ContinuousPair pair, std::uint64_t seed, std::int64_t count) {
+  RandomSource random(seed);
+  std::int64_t met = 0;
+  for (std::int64_t n = 0; n < count; ++n) {
+    const LatticeMotion lattice = random_motion(random, pair, kind_of(n));
+    const double scale = n % 5 == 0 ? std::ldexp(1.0, static_cast<int>(random.integer(-1074, 1015))) : 1;
+    const MovingPoints points = to_points(lattice, scale);
+    const bool expected = meet_by_definition(pair, test::to_motion(lattice));
+    met += expected;
+    ASSERT_EQ(meets_exactly(pair, points), expected) << "input " << n;
+    ASSERT_EQ(meet(pair, points), expected) << "input " << n;
+    ASSERT_EQ(meet(pair, reversed(points)), expected) << "input " << n;
+  }
+  if (count >= 300) {
+    EXPECT_GT(met, count / 5);
+    EXPECT_LT(met, count * 4 / 5);
+  }
+}
+
+TEST(VertexFace, EqualsTheDefinitionOnLattices) {
+  compare_lattice_with_definition(kVertexFace, 1, scaled(2'500));
+}
+TEST(EdgeEdge, EqualsTheDefinitionOnLattices) {
+  compare_lattice_with_definition(kEdgeEdge, 2, scaled(2'000));
+}
+
+/// Coordinates 0 and 1 only: the most degenerate of all.
+void compare_unit_cube_with_definition(ContinuousPair pair, std::uint64_t seed, std::int64_t count) {
+  RandomSource random(seed);
+  for (std::int64_t n = 0; n < count; ++n) {
+    LatticeMotion lattice;
+    for (auto& point : lattice)
+      for (auto& c : point) c = random.integer(0, 1);
+    const bool expected = meet_by_definition(pair, test::to_motion(lattice));
+    ASSERT_EQ(meet(pair, to_points(lattice, 0.1)), expected) << "input " << n;
+    ASSERT_EQ(meets_exactly(pair, to_points(lattice)), expected) << "input " << n;
+  }
+}
+
+TEST(VertexFace, EqualsTheDefinitionOnTheUnitCube) {
+  compare_unit_cube_with_definition(kVertexFace, 3, scaled(1'500));
+}
+TEST(EdgeEdge, EqualsTheDefinitionOnTheUnitCube) {
+  compare_unit_cube_with_definition(kEdgeEdge, 4, scaled(1'500));
+}
+
+/// Doubles: in contact at some time up to rounding, or anywhere.
+MovingPoints random_doubles(RandomSource& random, ContinuousPair pair, double scale) {
+  std::array<Vec3, 4> meeting;
+  for (Vec3& p : meeting) p = random.point<3>();
+  const double s = random.integer(0, 2) == 0 ? 0 : random.uniform(),
+               t = random.integer(0, 3) == 0 ? 0 : random.uniform();
+  if (pair == kVertexFace)
+    meeting[0] = meeting[1] + s * (meeting[2] - meeting[1]) + t * (meeting[3] - meeting[1]);
+  else
+    meeting[0] = meeting[2] + s * (meeting[3] - meeting[2]) + 0.01 * t * (meeting[1] - meeting[2]);
+  const double when = random.integer(0, 5) == 0 ? 0 : 0.5 + 0.5 * random.uniform();
+  const double speed = std::ldexp(1.0, static_cast<int>(random.integer(-8, 1)));
+  MovingPoints points;
+  for (int i = 0; i < 4; ++i) {
+    const Vec3 velocity = speed * random.point<3>();
+    points.t0[i] = scale * (meeting[i] - when * velocity);
+    points.t1[i] = scale * (meeting[i] + (1 - when) * velocity);
+  }
+  if (random.integer(0, 7) == 0)
+    for (int i = 0; i < 4; ++i) points.t0[i][2] = points.t1[i][2] = points.t0[0][2];
+  if (random.integer(0, 7) == 0) points.t1 = points.t0;
+  return points;
+}
+
+template <class T>
+test::ExactMotion exact_motion(const MovingPoints& points) {
+  std::array<Vec3, 8> all;
+  std::copy(points.t0.begin(), points.t0.end(), all.begin());
+  std::copy(points.t1.begin(), points.t1.end(), all.begin() + 4);
+  return test::to_motion(test::to_exact<T>(all));
+}
+
+void compare_doubles_with_definition(ContinuousPair pair, std::uint64_t seed, std::int64_t count) {
+  RandomSource random(seed);
+  std::int64_t met = 0;
+  constexpr double kScales[] = {1, 1e150, 1e-150, 0x1p-1060};
+  for (std::int64_t n = 0; n < count; ++n) {
+    const MovingPoints points = random_doubles(random, pair, kScales[n % 4]);
+    const bool expected = meet_by_definition(pair, exact_motion<test::Unlimited>(points));
+    met += expected;
+    ASSERT_EQ(meet(pair, points), expected) << "input " << n;
+    ASSERT_EQ(meets_exactly(pair, points), expected) << "input " << n;
+  }
+  if (count >= 300) {
+    EXPECT_GT(met, count / 10);
+    EXPECT_LT(met, count * 4 / 5);
+  }
+}
+
+TEST(VertexFace, EqualsTheDefinitionOnDoubles) {
+  compare_doubles_with_definition(kVertexFace, 5, scaled(500));
+}
+TEST(EdgeEdge, EqualsTheDefinitionOnDoubles) {
+  compare_doubles_with_definition(kEdgeEdge, 6, scaled(300));
+}
+
+TEST(ContinuousPairs, EqualTheDefinitionOnAnyDoubles) {
+  RandomSource random(7);
+  for (std::int64_t n = 0; n < scaled(2); ++n) {
+    MovingPoints points;
+    for (int i = 0; i < 4; ++i)
+      for (int k = 0; k < 3; ++k) {
+        points.t0[i][k] =
+            n % 2 == 0 ? random.any_finite() : random.uniform() * (random.integer(0, 1) == 0 ? 1e150 : 1e-150);
+        points.t1[i][k] =
+            n % 2 == 0 ? random.any_finite() : random.uniform() * (random.integer(0, 1) == 0 ? 1e150 : 1e-150);
+      }
+    for (ContinuousPair pair : {kVertexFace, kEdgeEdge})
+      ASSERT_EQ(meet(pair, points), meet_by_definition(pair, exact_motion<test::Unlimited>(points))) << "input " << n;
+  }
+}
+
+/// The filter and the exact stage agree where the oracle would be too slow.
+void compare_stages(ContinuousPair pair, std::uint64_t seed, std::int64_t count) {
+  RandomSource random(seed);
+  std::int64_t wrong = 0;
+  for (std::int64_t n = 0; n < count; ++n) {
+    const MovingPoints points =
+        n % 2 == 0 ? random_doubles(random, pair, 1) : to_points(random_motion(random, pair, kind_of(n / 2)), 0.1);
+    wrong += meet(pair, points) != meets_exactly(pair, points);
+  }
+  EXPECT_EQ(wrong, 0) << "of " << count;
+}
+
+TEST(VertexFace, StagesAgree) {
+  compare_stages(kVertexFace, 8, scaled(12'000));
+}
+TEST(EdgeEdge, StagesAgree) {
+  compare_stages(kEdgeEdge, 9, scaled(12'000));
+}
+
+/// All orders of a face's vertices; both orders of each edge's ends and of the edges; both directions of time.
+void compare_orders(ContinuousPair pair, std::uint64_t seed, std::int64_t count) {
+  RandomSource random(seed);
+  std::int64_t different = 0;
+  for (std::int64_t n = 0; n < count; ++n) {
+    const MovingPoints points =
+        n % 2 == 0 ? random_doubles(random, pair, 1) : to_points(random_motion(random, pair, kind_of(n / 2)), 0.1);
+    const bool expected = meet(pair, points);
+    std::array<int, 4> order{0, 1, 2, 3};
+    do {
+      const bool same_sets = pair == kVertexFace ? order[0] == 0 : order[0] / 2 == order[1] / 2;
+      if (!same_sets) continue;
+      MovingPoints other;
+      for (int i = 0; i < 4; ++i) {
+        other.t0[i] = points.t0[order[i]];
+        other.t1[i] = points.t1[order[i]];
+      }
+      different += meet(pair, other) != expected || meet(pair, reversed(other)) != expected;
+    } while (std::next_permutation(order.begin(), order.end()));
+  }
+  EXPECT_EQ(different, 0);
+}
+
+TEST(VertexFace, IsTheSameInEveryOrder) {
+  compare_orders(kVertexFace, 10, scaled(600));
+}
+TEST(EdgeEdge, IsTheSameInEveryOrder) {
+  compare_orders(kEdgeEdge, 11, scaled(600));
+}
+
+/// The part of a motion between two times, exactly, in steps of 2^-24 of the whole.
+test::ExactMotion part_of_time(const LatticeMotion& lattice, std::int64_t first, std::int64_t last) {
+  constexpr std::int64_t kWhole = 1 << 24;
+  LatticeMotion part;
+  for (int i = 0; i < 4; ++i)
+    for (int k = 0; k < 3; ++k) {
+      part[i][k] = lattice[i][k] * (kWhole - first) + lattice[4 + i][k] * first;
+      part[4 + i][k] = lattice[i][k] * (kWhole - last) + lattice[4 + i][k] * last;
+    }
+  return test::to_motion(part);
+}
+
+void compare_impact_with_definition(ContinuousPair pair, std::uint64_t seed, std::int64_t count) {
+  RandomSource random(seed);
+  std::int64_t met = 0, later = 0;
+  for (std::int64_t n = 0; n < count; ++n) {
+    const LatticeMotion lattice = random_motion(random, pair, kind_of(n));
+    const MovingPoints points = to_points(lattice);
+    const auto found = impact(pair, points);
+    ASSERT_EQ(found.has_value(), meet(pair, points)) << "input " << n;
+    if (!found) continue;
+    ++met;
+    later += *found > 0;
+    ASSERT_GE(*found, 0);
+    ASSERT_LE(*found, 1);
+    const auto step = static_cast<std::int64_t>(*found * (1 << 24));
+    EXPECT_TRUE(meet_by_definition(pair, part_of_time(lattice, step, step + (1 << 4)))) << "too early, input " << n;
+    if (step > 0) {
+      EXPECT_FALSE(meet_by_definition(pair, part_of_time(lattice, 0, step - 1))) << "too late, input " << n;
+    }
+  }
+  if (count >= 300) {
+    EXPECT_GT(met, count / 5);
+    EXPECT_GT(later, count / 20);
+  }
+}
+
+TEST(VertexFace, ImpactIsTheFirst) {
+  compare_impact_with_definition(kVertexFace, 12, scaled(400));
+}
+TEST(EdgeEdge, ImpactIsTheFirst) {
+  compare_impact_with_definition(kEdgeEdge, 13, scaled(400));
+}
+
+// One case of every kind by hand. The face lies in the plane z = 0 at time 0.
+
+using Four = std::array<Vec3, 4>;
+
+void expect_meet(ContinuousPair pair, const Four& t0, const Four& t1, bool expected) {
+  EXPECT_EQ(meet(pair, {t0, t1}), expected);
+  EXPECT_EQ(meet(pair, {t1, t0}), expected);
+  EXPECT_EQ(meets_exactly(pair, {t0, t1}), expected);
+  EXPECT_EQ(impact(pair, {t0, t1}).has_value(), expected);
+}
+
+Four vertex_and_floor(const Vec3& vertex) {
+  return {vertex, Vec3{0, 0, 0}, Vec3{4, 0, 0}, Vec3{0, 4, 0}};
+}
+
+TEST(VertexFace, ThroughAndBeside) {
+  expect_meet(kVertexFace, vertex_and_floor({1, 1, 1}), vertex_and_floor({1, 1, -1}), true);
+  expect_meet(kVertexFace, vertex_and_floor({3, 3, 1}), vertex_and_floor({3, 3, -1}), false);
+  expect_meet(kVertexFace, vertex_and_floor({2, 2, 1}), vertex_and_floor({2, 2, -1}), true);  // through an edge
+  expect_meet(kVertexFace, vertex_and_floor({0, 0, 1}), vertex_and_floor({0, 0, -1}), true);  // through a vertex
+  expect_meet(kVertexFace, vertex_and_floor({1, 1, 1}), vertex_and_floor({1, 1, 0}), true);   // just reached
+  expect_meet(kVertexFace, vertex_and_floor({1, 1, 1}), vertex_and_floor({1, 1, 1e-300}), false);
+  EXPECT_EQ(vertex_face_impact({vertex_and_floor({1, 1, 1}), vertex_and_floor({1, 1, 0})}), 1 - 0x1p-20);
+  EXPECT_EQ(vertex_face_impact({vertex_and_floor({1, 1, 0}), vertex_and_floor({1, 1, 1})}), 0);
+}
+
+TEST(VertexFace, NoMotion) {
+  for (const auto& [place, expected] :
+       {std::pair{Vec3{1, 1, 0}, true}, {Vec3{0, 2, 0}, true}, {Vec3{3, 3, 0}, false}, {Vec3{1, 1, 1}, false}})
+    expect_meet(kVertexFace, vertex_and_floor(place), vertex_and_floor(place), expected);
+}
+
+TEST(VertexFace, AlwaysInOnePlane) {
+  expect_meet(kVertexFace, vertex_and_floor({9, 1, 0}), vertex_and_floor({-9, 1, 0}), true);  // across
+  expect_meet(kVertexFace, vertex_and_floor({9, 0, 0}), vertex_and_floor({-9, 0, 0}), true);  // along an edge
+  expect_meet(kVertexFace, vertex_and_floor({5, 0, 0}), vertex_and_floor({9, 0, 0}), false);
+  expect_meet(kVertexFace, vertex_and_floor({0, 8, 0}), vertex_and_floor({8, 0, 0}), false);
+  expect_meet(kVertexFace, vertex_and_floor({8, -4, 0}), vertex_and_floor({0, 4, 0}), true);  // ends at a vertex
+  expect_meet(kVertexFace, vertex_and_floor({5, -1, 0}), vertex_and_floor({3, 1, 0}), true);  // grazes a vertex
+}
+
+TEST(VertexFace, TouchesForASingleInstant) {
+  // The vertex sinks to the floor and the floor's far end turns away below it: the volume is a multiple of (1 - 2 t)^2.
+  const auto at = [](double t) {
+    return Four{Vec3{1, 0, 1 - 2 * t}, Vec3{0, -1, 0}, Vec3{0, 1, 0}, Vec3{1 - 2 * t + 1, 0, 1 - 2 * t}};
+  };
+  expect_meet(kVertexFace, at(0), at(1), true);
+  // The same, past the face.
+  Four start = at(0), end = at(1);
+  start[0][0] = end[0][0] = 3;
+  expect_meet(kVertexFace, start, end, false);
+}
+
+TEST(VertexFace, MovingTogether) {
+  for (const auto& [place, expected] : {std::pair{Vec3{1, 1, 0}, true}, {Vec3{1, 1, 1e-200}, false}}) {
+    const Four t0 = vertex_and_floor(place);
+    Four t1 = t0, larger = t0;
+    for (Vec3& p : t1) p += Vec3{3, 5, 0};
+    for (Vec3& p : larger) p *= 2;
+    expect_meet(kVertexFace, t0, t1, expected);
+    expect_meet(kVertexFace, t0, larger, expected);
+  }
+}
+
+TEST(VertexFace, DegenerateFaces) {
+  const auto with_segment = [](const Vec3& p) { return Four{p, Vec3{0, 0, 0}, Vec3{4, 0, 0}, Vec3{2, 0, 0}}; };
+  const auto with_point = [](const Vec3& p) { return Four{p, Vec3{1, 1, 1}, Vec3{1, 1, 1}, Vec3{1, 1, 1}}; };
+  expect_meet(kVertexFace, with_segment({1, 0, 1}), with_segment({1, 0, -1}), true);
+  expect_meet(kVertexFace, with_segment({1, 1, 1}), with_segment({1, -1, -1}), true);
+  expect_meet(kVertexFace, with_segment({1, 1, 1}), with_segment({1, -1, 0}), false);
+  expect_meet(kVertexFace, with_segment({5, 0, 0}), with_segment({4, 0, 0}), true);
+  expect_meet(kVertexFace, with_segment({9, 0, 0}), with_segment({5, 0, 0}), false);
+  expect_meet(kVertexFace, with_point({0, 0, 0}), with_point({2, 2, 2}), true);
+  expect_meet(kVertexFace, with_point({0, 0, 0}), with_point({2, 2, 3}), false);
+  expect_meet(kVertexFace, with_point({1, 1, 1}), with_point({1, 1, 1}), true);
+  // Flat only for one instant, and met then.
+  expect_meet(kVertexFace, {Vec3{5, 0, 0}, Vec3{0, 0, 0}, Vec3{4, 0, 0}, Vec3{0, 2, 0}},
+              {Vec3{-5, 0, 0}, Vec3{0, 0, 0}, Vec3{4, 0, 0}, Vec3{0, -2, 0}}, true);
+}
+
+Four edges(const Vec3& a0, const Vec3& a1, const Vec3& b0, const Vec3& b1) {
+  return {a0, a1, b0, b1};
+}
+
+TEST(EdgeEdge, ThroughAndBeside) {
+  const Vec3 left{-1, 0, 0}, right{1, 0, 0};
+  const auto at = [&](double y, double z) { return edges(left, right, {0, y - 1, z}, {0, y + 1, z}); };
+  expect_meet(kEdgeEdge, at(0, 1), at(0, -1), true);
+  expect_meet(kEdgeEdge, at(2, 1), at(2, -1), false);
+  expect_meet(kEdgeEdge, at(1, 1), at(1, -1), true);  // an end touches
+  expect_meet(kEdgeEdge, at(0, 1), at(0, 0), true);   // just reached
+  expect_meet(kEdgeEdge, at(0, 1), at(0, 1e-300), false);
+  expect_meet(kEdgeEdge, at(5, 0), at(-5, 0), true);  // always in one plane
+  expect_meet(kEdgeEdge, at(0, 0), at(0, 0), true);   // no motion
+  expect_meet(kEdgeEdge, at(3, 0), at(2, 0), false);
+}
+
+TEST(EdgeEdge, ParallelCollinearAndDegenerate) {
+  const auto along = [](double x, double y) { return edges({-1, 0, 0}, {1, 0, 0}, {x, y, 0}, {x + 1, y, 0}); };
+  expect_meet(kEdgeEdge, along(0, 1), along(0, -1), true);   // parallel, through each other
+  expect_meet(kEdgeEdge, along(2, 1), along(2, -1), false);  // past each other
+  expect_meet(kEdgeEdge, along(1, 1), along(1, -1), true);   // end past end
+  expect_meet(kEdgeEdge, along(5, 0), along(2, 0), false);   // on one line
+  expect_meet(kEdgeEdge, along(5, 0), along(1, 0), true);
+  expect_meet(kEdgeEdge, along(5, 0), along(-5, 0), true);
+  const auto point = [](const Vec3& p) { return edges({-1, 0, 0}, {1, 0, 0}, p, p); };
+  expect_meet(kEdgeEdge, point({0, 1, 1}), point({0, -1, -1}), true);
+  expect_meet(kEdgeEdge, point({0, 1, 1}), point({0, -1, 1}), false);
+  const auto points = [](const Vec3& p, const Vec3& q) { return edges(p, p, q, q); };
+  expect_meet(kEdgeEdge, points({0, 0, 0}, {1, 0, 0}), points({1, 0, 0}, {0, 0, 0}), true);
+  expect_meet(kEdgeEdge, points({0, 0, 0}, {1, 0, 0}), points({1, 1, 0}, {0, 0, 0}), false);
+}
+
+TEST(EdgeEdge, TouchesForASingleInstant) {
+  // Two edges that turn in opposite directions and come into one plane at 1/2 with a volume that does not change sign.
+  const Four t0 = edges({-1, -1, 0}, {1, 1, 0}, {-1, 1, 1}, {1, -1, 1});
+  const Four t1 = edges({-1, 1, 0}, {1, -1, 0}, {-1, -1, -1}, {1, 1, -1});
+  expect_meet(kEdgeEdge, t0, t1, true);
+}
+
+}  // namespace
+}  // namespace selvage
