@@ -47,7 +47,7 @@ struct TrianglePair {
   auto operator<=>(const TrianglePair&) const = default;
 };
 
-/// What a search did. Counted only on request, and the same for any number of threads.
+/// What a search did. The same for any number of threads.
 struct SelfCollisionCounters {
   std::int64_t node_pairs = 0;      ///< pairs of nodes whose children were compared
   std::int64_t box_pairs = 0;       ///< pairs of triangles whose boxes meet

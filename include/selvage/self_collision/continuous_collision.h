@@ -1,0 +1,93 @@
+#pragma once
+
+#include "selvage/self_collision/self_collision.h"
+
+namespace selvage {
+
+/// A vertex and a triangle that it does not belong to, which meet during a step.
+struct VertexFacePair {
+  Index vertex;
+  Index face;
+
+  auto operator<=>(const VertexFacePair&) const = default;
+};
+
+/// Two edges of the mesh without a common vertex, first < second, which meet during a step. The order of edges is that
+/// of their (ascending) vertices.
+struct EdgeEdgePair {
+  Index first;
+  Index second;
+
+  auto operator<=>(const EdgeEdgePair&) const = default;
+};
+
+/// Everything that meets during a step, each list sorted.
+struct ContinuousPairs {
+  std::vector<VertexFacePair> vertex_face;
+  std::vector<EdgeEdgePair> edge_edge;
+
+  bool empty() const { return vertex_face.empty() && edge_edge.empty(); }
+  bool operator==(const ContinuousPairs&) const = default;
+};
+
+/// What a search did. The same for any number of threads.
+struct ContinuousCounters {
+  std::int64_t node_pairs = 0;         ///< pairs of nodes whose children were compared
+  std::int64_t box_pairs = 0;          ///< pairs of triangles whose boxes over the step meet
+  std::int64_t vertex_face_boxes = 0;  ///< pairs of a vertex and a face whose boxes meet; each once
+  std::int64_t edge_edge_boxes = 0;    ///< pairs of edges whose boxes meet; each once
+  std::int64_t exact_tests = 0;        ///< those that single precision could not tell apart
+
+  ContinuousCounters& operator+=(const ContinuousCounters& other);
+};
+
+/// What of a surface meets during a step in which its vertices move on straight lines at constant speed: all pairs of a
+/// vertex and a face and of two edges, each once, decided exactly: no tolerance, no missed pair, no invented pair.
+///
+/// Each vertex and each edge is assigned to one of its triangles, so that no pair is looked at twice, however many
+/// pairs of triangles it belongs to (low-level culling, EDC section 6.1). Vertices without a triangle meet nothing.
+/// Thread-safe for concurrent queries; update() and rebuild() need exclusive access.
+class ContinuousCollisionFinder {
+ public:
+  /// @param mesh          topology; must outlive the finder
+  /// @param positions_t0  (n_vertices x 3) at the start of the step [m]
+  /// @param positions_t1  (n_vertices x 3) at its end [m]
+  /// @param options       method and filters; there is no thickness, and include_adjacent changes nothing
+  /// @throws Error        when sizes differ, a position is not finite, or an option does not fit
+  ContinuousCollisionFinder(const TriangleMesh& mesh, std::span<const Vec3> positions_t0,
+                            std::span<const Vec3> positions_t1, SelfCollisionOptions options = {});
+  ~ContinuousCollisionFinder();
+  ContinuousCollisionFinder(ContinuousCollisionFinder&&) noexcept;
+  ContinuousCollisionFinder& operator=(ContinuousCollisionFinder&&) noexcept;
+
+  /// Takes a new step: refits the hierarchy in O(n), and rebuilds it when its quality has become poor.
+  void update(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1);
+
+  /// Takes a new step and builds the hierarchy anew.
+  void rebuild(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1);
+
+  /// All pairs that meet at some time of the step, its ends included. Parallel; the same for any number of threads.
+  /// @param counters  null, or where to add what the search did
+  ContinuousPairs find_pairs(ContinuousCounters* counters = nullptr) const;
+
+  /// Whether there is any pair: stops at the first.
+  bool has_pairs(ContinuousCounters* counters = nullptr) const;
+
+  /// Times of first contact, one a pair, as fractions of the step: never later than the true one, at most 1e-6 earlier,
+  /// never below 0; NaN where the pair does not meet.
+  /// @throws Error  when a vertex, a face or an edge is out of range
+  std::vector<double> find_impact_times(std::span<const VertexFacePair> pairs) const;
+  std::vector<double> find_impact_times(std::span<const EdgeEdgePair> pairs) const;
+
+  /// The largest fraction of the step that is free of collisions: 1 where nothing meets; else the earliest time of
+  /// impact, no later than the true one and at most 1e-6 earlier. 0 where something meets at the start.
+  /// @param pairs  what find_pairs() gave, where that has been asked for already
+  double find_free_step() const { return find_free_step(find_pairs()); }
+  double find_free_step(const ContinuousPairs& pairs) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace selvage

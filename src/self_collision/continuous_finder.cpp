@@ -1,0 +1,185 @@
+#include "bvh/merge_sorted.h"
+#include "self_collision/continuous_kernel.h"
+#include "self_collision/moving_points.h"
+#include "self_collision/pair_filter.h"
+#include "self_collision/swept_pose.h"
+#include "selvage/core/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace selvage {
+
+namespace {
+
+constexpr std::size_t kPieces = 512;  ///< enough that threads stay busy where pieces differ in size
+
+/// Gives every vertex and every edge to the first of its triangles.
+std::vector<MovingTriangle> assign_features(const TriangleMesh& mesh) {
+  std::vector<MovingTriangle> triangles(mesh.triangle_count());
+  parallel_for(mesh.triangle_count(), 4096, [&](std::int64_t t) {
+    MovingTriangle& triangle = triangles[t];
+    triangle = {mesh.triangles()[t], mesh.triangle_edges()[t], 0, 0};
+    for (int i = 0; i < 3; ++i) {
+      triangle.owned_vertices |= (mesh.vertex_triangles(triangle.vertices[i]).front() == t) << i;
+      triangle.owned_edges |= (mesh.edge_triangles(triangle.edges[i]).front() == t) << i;
+    }
+  });
+  return triangles;
+}
+
+void check_index(const char* what, Index i, Index count) {
+  if (i < 0 || i >= count)
+    throw Error(fmt::format("{} {}", what, i), "is out of range", fmt::format("give one in [0, {})", count));
+}
+
+/// Times of first contact, in parallel.
+template <typename Pair, typename Impact>
+std::vector<double> impact_times(std::span<const Pair> pairs, Impact&& impact) {
+  std::vector<double> times(pairs.size());
+  parallel_for(std::ssize(pairs), 64,
+               [&](std::int64_t i) { times[i] = impact(pairs[i]).value_or(std::numeric_limits<double>::quiet_NaN()); });
+  return times;
+}
+
+}  // namespace
+
+ContinuousCounters& ContinuousCounters::operator+=(const ContinuousCounters& other) {
+  node_pairs += other.node_pairs;
+  box_pairs += other.box_pairs;
+  vertex_face_boxes += other.vertex_face_boxes;
+  edge_edge_boxes += other.edge_edge_boxes;
+  exact_tests += other.exact_tests;
+  return *this;
+}
+
+struct ContinuousCollisionFinder::State {
+  const TriangleMesh& mesh;
+  SelfCollisionOptions options;
+  std::optional<PairFilter> filter;
+  std::vector<MovingTriangle> triangles;
+  SweptPose pose;
+  Bvh bvh;
+
+  State(const TriangleMesh& m, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1,
+        SelfCollisionOptions o)
+      : mesh(m),
+        options(std::move(o)),
+        filter(PairFilter::where_needed(m, options.filters)),
+        triangles(assign_features(m)) {
+    if (!options.thickness.empty())
+      throw Error("thickness", "continuous queries have none", "leave it empty, or ask a SelfCollisionFinder");
+    rebuild(positions_t0, positions_t1);
+  }
+
+  void place(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
+    check_position_count(mesh, positions_t0);
+    check_position_count(mesh, positions_t1);
+    frame_around(positions_t0);
+    frame_around(positions_t1);
+    pose.place(mesh, positions_t0, positions_t1, frame_around(positions_t0, positions_t1));
+  }
+
+  void update(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
+    place(positions_t0, positions_t1);
+    bvh.refit(pose.boxes());
+    if (bvh.quality_loss() > Bvh::kRebuildAbove) bvh = Bvh(pose.boxes());
+  }
+
+  void rebuild(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
+    place(positions_t0, positions_t1);
+    bvh = Bvh(pose.boxes());
+  }
+
+  ContinuousScene scene() const {
+    return {bvh.nodes(),
+            triangles.data(),
+            mesh.edges().data(),
+            pose.positions_t0().data(),
+            pose.positions_t1().data(),
+            pose.rounded_t0().data(),
+            pose.rounded_t1().data(),
+            pose.vertex_boxes().data(),
+            pose.triangle_boxes().data(),
+            filter ? &*filter : nullptr};
+  }
+
+  ContinuousPairs search(std::atomic<bool>* stop, ContinuousCounters* counters) const {
+    const ContinuousScene searched = scene();
+    const PairWork work = split_self_pair_work(bvh, kPieces);
+    std::vector<ContinuousResult> results(work.pieces.size() + 1);
+    for (ContinuousResult& result : results) result.stop = stop;
+    SELVAGE_DISPATCH(test_listed_pairs, searched, work.found, results.back());
+    parallel_for(std::ssize(work.pieces), 1, [&](std::int64_t i) {
+      SELVAGE_DISPATCH(find_continuous_collisions, searched, work.pieces[i], results[i]);
+    });
+    std::vector<std::vector<VertexFacePair>> vertex_face;
+    std::vector<std::vector<EdgeEdgePair>> edge_edge;
+    for (ContinuousResult& result : results) {
+      vertex_face.push_back(std::move(result.pairs.vertex_face));
+      edge_edge.push_back(std::move(result.pairs.edge_edge));
+      if (counters != nullptr) *counters += result.counters;
+    }
+    return {
+        merge_sorted(std::span<const std::vector<VertexFacePair>>(vertex_face), mesh.vertex_count(),
+                     &VertexFacePair::vertex),
+        merge_sorted(std::span<const std::vector<EdgeEdgePair>>(edge_edge), mesh.edge_count(), &EdgeEdgePair::first)};
+  }
+};
+
+ContinuousCollisionFinder::ContinuousCollisionFinder(const TriangleMesh& mesh, std::span<const Vec3> positions_t0,
+                                                     std::span<const Vec3> positions_t1, SelfCollisionOptions options)
+    : state_(std::make_unique<State>(mesh, positions_t0, positions_t1, std::move(options))) {}
+ContinuousCollisionFinder::~ContinuousCollisionFinder() = default;
+ContinuousCollisionFinder::ContinuousCollisionFinder(ContinuousCollisionFinder&&) noexcept = default;
+ContinuousCollisionFinder& ContinuousCollisionFinder::operator=(ContinuousCollisionFinder&&) noexcept = default;
+
+void ContinuousCollisionFinder::update(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
+  state_->update(positions_t0, positions_t1);
+}
+
+void ContinuousCollisionFinder::rebuild(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
+  state_->rebuild(positions_t0, positions_t1);
+}
+
+ContinuousPairs ContinuousCollisionFinder::find_pairs(ContinuousCounters* counters) const {
+  return state_->search(nullptr, counters);
+}
+
+bool ContinuousCollisionFinder::has_pairs(ContinuousCounters* counters) const {
+  std::atomic<bool> stop = false;
+  state_->search(&stop, counters);
+  return stop;
+}
+
+std::vector<double> ContinuousCollisionFinder::find_impact_times(std::span<const VertexFacePair> pairs) const {
+  for (const VertexFacePair& pair : pairs) {
+    check_index("vertex", pair.vertex, state_->mesh.vertex_count());
+    check_index("face", pair.face, state_->mesh.triangle_count());
+  }
+  const ContinuousScene scene = state_->scene();
+  return impact_times(pairs, [&](const VertexFacePair& pair) {
+    return vertex_face_impact(moving_points(scene, pair.vertex, pair.face));
+  });
+}
+
+std::vector<double> ContinuousCollisionFinder::find_impact_times(std::span<const EdgeEdgePair> pairs) const {
+  for (const EdgeEdgePair& pair : pairs) {
+    check_index("edge", pair.first, state_->mesh.edge_count());
+    check_index("edge", pair.second, state_->mesh.edge_count());
+  }
+  const ContinuousScene scene = state_->scene();
+  return impact_times(
+      pairs, [&](const EdgeEdgePair& pair) { return edge_edge_impact(moving_edges(scene, pair.first, pair.second)); });
+}
+
+double ContinuousCollisionFinder::find_free_step(const ContinuousPairs& pairs) const {
+  double earliest = 1;
+  for (const double time : find_impact_times(pairs.vertex_face)) earliest = std::min(earliest, time);
+  for (const double time : find_impact_times(pairs.edge_edge)) earliest = std::min(earliest, time);
+  return earliest;
+}
+
+}  // namespace selvage

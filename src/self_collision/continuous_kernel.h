@@ -1,0 +1,27 @@
+#pragma once
+
+#include "self_collision/continuous_scene.h"
+#include "selvage/core/isa.h"
+
+namespace selvage {
+
+// Finds what meets of the triangles below a pair of nodes, and of listed pairs of triangles.
+#define SELVAGE_CONTINUOUS_KERNEL                                                             \
+  void find_continuous_collisions(const ContinuousScene&, NodePair start, ContinuousResult&); \
+  void test_listed_pairs(const ContinuousScene&, std::span<const IndexPair>, ContinuousResult&);
+namespace baseline {
+SELVAGE_CONTINUOUS_KERNEL
+}
+namespace avx2 {
+SELVAGE_CONTINUOUS_KERNEL
+}
+namespace avx512 {
+SELVAGE_CONTINUOUS_KERNEL
+}
+#undef SELVAGE_CONTINUOUS_KERNEL
+
+/// Decide a pair exactly and note it where it counts. Compiled once, for every x86-64.
+void decide_vertex_face(const ContinuousScene& scene, Index vertex, Index face, ContinuousResult& result);
+void decide_edge_edge(const ContinuousScene& scene, Index first, Index second, ContinuousResult& result);
+
+}  // namespace selvage
