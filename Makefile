@@ -57,7 +57,7 @@ fuzz:
 	$(INSTALL) build fuzz
 	fuzz/run.sh $(or $(FUZZ_SECONDS),10)
 
-## bench       measure the library against its peer, built on Embree
+## bench       measure the library against its peers, on Embree and CGAL
 bench:
 	$(INSTALL) build test bench
 	$(CONFIGURE) --preset benchmark

@@ -1,9 +1,13 @@
 #include "peer/boundary_path.h"
+#include "peer/self_collision.h"
 #include "peer/tangled_meshes.h"
 #include "selvage/core/error.h"
 #include "selvage/core/isa.h"
+#include "selvage/mesh/sequences.h"
+#include "selvage/self_collision/self_collision.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
 #include <cstdio>
@@ -20,6 +24,10 @@ struct Arguments {
   int threads = static_cast<int>(std::thread::hardware_concurrency());
   std::string json;
   bool quick = false;
+
+  /// One thread, then all.
+  std::vector<int> thread_counts() const { return threads > 1 ? std::vector{1, threads} : std::vector{1}; }
+  std::FILE* table() const { return json == "-" ? stderr : stdout; }
 };
 
 std::string short_count(std::int64_t n) {
@@ -28,14 +36,13 @@ std::string short_count(std::int64_t n) {
 
 void bench_boundary_path(const Arguments& arguments) {
   BoundaryPathPlan plan;
-  plan.threads = {1};
-  if (arguments.threads > 1) plan.threads.push_back(arguments.threads);
+  plan.threads = arguments.thread_counts();
   if (arguments.quick) {
     plan.seconds = 0.2;
     plan.fewest_rounds = 3;
     plan.most_queries = 5000;
   }
-  Report report(arguments.json == "-" ? stderr : stdout);
+  Report report(arguments.table());
   report.say(
       fmt::format("boundary-path: the library ({} kernels) beside the method of SPB on Embree 3; ratios are "
                   "medians over rounds, peer / ours",
@@ -60,6 +67,39 @@ void bench_boundary_path(const Arguments& arguments) {
   if (!arguments.json.empty()) report.write_json(arguments.json);
 }
 
+struct CollisionArguments {
+  std::vector<std::string> sequences, methods;
+  int frames = 24;
+  std::int64_t triangles = 0;
+  bool without_peers = false, without_growth = false;
+};
+
+void bench_self_collision(const Arguments& arguments, const CollisionArguments& collision) {
+  const SelfCollisionPlan plan{arguments.thread_counts(), collision.methods, !collision.without_peers};
+  const int frames = arguments.quick ? 4 : collision.frames;
+  CollisionReport report(arguments.table());
+  report.say(
+      fmt::format("self-collision: the library ({} kernels) beside CGAL and Embree 3; a frame is a new pose, "
+                  "refit and all pairs; ratios are medians over frames, peer / ours",
+                  isa_name(active_isa())));
+  for (const std::string& path : arguments.meshes)
+    measure_self_collision({std::filesystem::path(path).stem().string(), read_mesh(path), 6}, plan, report);
+  const auto& wanted = collision.sequences;
+  for (const std::string_view name : sequence_names()) {
+    if (wanted.empty() ? !arguments.meshes.empty() : std::find(wanted.begin(), wanted.end(), name) == wanted.end())
+      continue;
+    measure_self_collision({name, arguments.quick ? 10'000 : collision.triangles, frames}, plan, report);
+  }
+  if (wanted.empty() && arguments.meshes.empty() && !arguments.quick)
+    measure_self_collision({"crumple", 1'000'000, 4}, plan, report);
+  if (!collision.without_growth) {
+    std::vector<std::int64_t> sizes{16'000, 64'000, 250'000, 1'000'000};
+    if (arguments.quick) sizes.resize(2);
+    measure_growth(sizes, std::min(frames, 8), report);
+  }
+  if (!arguments.json.empty()) report.write_json(arguments.json);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -73,12 +113,30 @@ int main(int argc, char** argv) try {
       ->check(CLI::ExistingFile);
   paths->add_option("--shape", arguments.shapes, "Only these: octopus, squishy-balls, rod, beam, aligned-rod");
   paths->add_option("--elements", arguments.elements, "Sizes of the meshes made by formula");
-  paths->add_option("--threads", arguments.threads, "All threads; 1: nothing but one")->check(CLI::PositiveNumber);
-  paths->add_option("--json", arguments.json, "Machine-readable result; - is standard output");
-  paths->add_flag("--quick", arguments.quick, "The smallest meshes, few queries, few rounds");
+  CollisionArguments collision;
+  CLI::App* collisions = app.add_subcommand("self-collision", "Self-collisions of surfaces, beside CGAL and Embree 3");
+  collisions->footer("Example: selvage_bench self-collision --quick --sequence pipe --json result.json");
+  collisions->add_option("--mesh", arguments.meshes, "Meshes instead of the sequences made by formula")
+      ->check(CLI::ExistingFile);
+  collisions->add_option("--sequence", collision.sequences,
+                         fmt::format("Only these: {}", fmt::join(sequence_names(), ", ")));
+  collisions->add_option("--triangles", collision.triangles, "About how many each; 0: as many as it has")
+      ->check(CLI::NonNegativeNumber);
+  collisions->add_option("--method", collision.methods, "Only these culling methods")
+      ->check(CLI::IsMember(std::vector<std::string>(culling_method_names().begin(), culling_method_names().end())));
+  collisions->add_option("--frames", collision.frames, "Frames of each sequence, or as many as it has")
+      ->check(CLI::Range(2, 100'000));
+  collisions->add_flag("--no-peers", collision.without_peers, "The library alone");
+  collisions->add_flag("--no-growth", collision.without_growth, "Without the time against size");
+  for (CLI::App* sub : {paths, collisions}) {
+    sub->add_option("--threads", arguments.threads, "All threads; 1: nothing but one")->check(CLI::PositiveNumber);
+    sub->add_option("--json", arguments.json, "Machine-readable result; - is standard output");
+    sub->add_flag("--quick", arguments.quick, "The smallest meshes, little work, few rounds");
+  }
   CLI11_PARSE(app, argc, argv);
-  if (*list) fmt::print("boundary-path\n");
+  if (*list) fmt::print("boundary-path\nself-collision\n");
   if (*paths) bench_boundary_path(arguments);
+  if (*collisions) bench_self_collision(arguments, collision);
   return 0;
 } catch (const std::exception& error) {
   fmt::print(stderr, "selvage_bench: {}\n", error.what());

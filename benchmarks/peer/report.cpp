@@ -1,12 +1,8 @@
 #include "peer/report.h"
 
-#include "selvage/core/error.h"
+#include "peer/json_file.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
-
-#include <fstream>
-#include <iostream>
 
 namespace selvage::bench {
 
@@ -14,10 +10,6 @@ namespace {
 
 double micro_per_item(double seconds, const Row& row) {
   return 1e6 * seconds / static_cast<double>(std::max<std::int64_t>(row.items, 1));
-}
-
-nlohmann::json to_json(const Duration& d) {
-  return {{"processor", d.processor}, {"clock", d.clock}};
 }
 
 }  // namespace
@@ -92,13 +84,7 @@ void Report::write_json(const std::filesystem::path& path) const {
                                  {"beyond_rounding", a.beyond_rounding},
                                  {"one_sided", a.missing},
                                  {"worst", a.worst}});
-  if (path == "-") {
-    std::cout << json.dump(1) << '\n';
-    return;
-  }
-  std::ofstream file(path);
-  file << json.dump(1) << '\n';
-  if (!file.flush()) throw Error(path.string(), "cannot be written", "give a folder that exists");
+  write_json_file(path, json);
 }
 
 }  // namespace selvage::bench

@@ -63,6 +63,16 @@ Duration Rounds::median(const std::string& name) const {
   return medians(durations.size(), [&](std::size_t i) { return durations[i]; });
 }
 
+Duration Rounds::mean(const std::string& name) const {
+  const auto& durations = find(name).durations;
+  Duration mean;
+  for (const Duration& d : durations) {
+    mean.processor += d.processor / static_cast<double>(durations.size());
+    mean.clock += d.clock / static_cast<double>(durations.size());
+  }
+  return mean;
+}
+
 Duration Rounds::ratio(const std::string& slow, const std::string& fast) const {
   const auto &a = find(slow).durations, &b = find(fast).durations;
   return medians(a.size(), [&](std::size_t i) {

@@ -25,6 +25,7 @@ class Rounds {
   int round_count() const { return static_cast<int>(contenders_.front().durations.size()); }
   bool has(const std::string& name) const;
   Duration median(const std::string& name) const;
+  Duration mean(const std::string& name) const;
 
   /// Median over the rounds of the time of `slow` by the time of `fast` in the same round.
   Duration ratio(const std::string& slow, const std::string& fast) const;

@@ -87,7 +87,7 @@ TEST_F(UsageTest, BenchPassesItsOptionsToTheProgramBesideIt) {
   EXPECT_EQ(quiet.out, "");
 
   write_text(file("selvage_bench"), "#!/bin/sh\necho half > \"$3\"\nexit 7\n");
-  const Outcome failed = run("--version > /dev/null; ./selvage bench --json result.json");
+  const Outcome failed = run("--version > /dev/null; ./selvage bench boundary-path --json result.json");
   EXPECT_EQ(failed.status, 3);
   EXPECT_NE(failed.err.find("status 7"), std::string::npos) << failed.err;
   EXPECT_EQ(files(), (std::vector<std::string>{"selvage", "selvage_bench"}));

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "selvage/mesh/mesh_file.h"
+#include "selvage/mesh/triangle_mesh.h"
+
+#include <string>
+#include <string_view>
+
+namespace selvage::bench {
+
+/// A surface in the poses of consecutive frames.
+class CollisionSubject {
+ public:
+  /// Frames from near the end of a sequence of the library, where it is most entangled; or all.
+  /// @param triangles  about how many; 0: the sequence's own number
+  /// @param frames     at least 2
+  CollisionSubject(std::string_view sequence, std::int64_t triangles, int frames);
+
+  /// One pose over and over.
+  CollisionSubject(std::string name, const MeshFile& file, int frames);
+
+  const std::string& name() const { return name_; }
+  const TriangleMesh& mesh() const { return mesh_; }
+  int frame_count() const { return static_cast<int>(frames_.size()); }
+  std::span<const Vec3> frame(int i) const { return frames_[i]; }
+
+ private:
+  std::string name_;
+  TriangleMesh mesh_;
+  std::vector<std::vector<Vec3>> frames_;
+};
+
+}  // namespace selvage::bench

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "peer/collision_report.h"
+#include "peer/collision_subject.h"
+
+#include <vector>
+
+namespace selvage::bench {
+
+struct SelfCollisionPlan {
+  std::vector<int> threads;          ///< thread counts to measure with
+  std::vector<std::string> methods;  ///< of the library; empty: all
+  bool with_peers = true;
+};
+
+/// Measures every culling method of SelfCollisionFinder, and its peers, over the frames of one surface: what is found,
+/// and the time from a pose to all its pairs. Prints as it goes.
+void measure_self_collision(const CollisionSubject& subject, const SelfCollisionPlan& plan, CollisionReport& report);
+
+/// Measures how the time of the default method grows with a crumpled sheet.
+void measure_growth(std::span<const std::int64_t> triangles, int frames, CollisionReport& report);
+
+}  // namespace selvage::bench
