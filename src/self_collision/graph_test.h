@@ -1,0 +1,60 @@
+#pragma once
+
+#include "self_collision/contour_kernel.h"
+#include "self_collision/surface_pieces.h"
+
+namespace selvage {
+
+/// Decides whether pieces of a surface are certainly graphs over a plane: then no two of their triangles meet but in
+/// the vertices and edges that they share (docs/self_collision_cones.md, theorem 1). With two poses the piece is a
+/// graph over one plane all the time while vertices move on straight lines from one to the other.
+///
+/// A test is sufficient, never wrong: whatever rounding leaves open is "no".
+///
+/// @tparam kSteps  1: one pose; 2: the two ends of a step
+template <int kSteps>
+class GraphTest {
+ public:
+  using Poses = std::array<std::span<const Vec3>, kSteps>;
+
+  /// Takes new poses: O(n), parallel. Keeps references to what it is given.
+  void place(const SurfacePieces& pieces, const Poses& poses);
+
+  /// Memory of one thread.
+  struct Workspace {
+    std::vector<Index> vertices;
+    std::vector<double> exact;  ///< coordinates before they are scaled and rounded
+    std::vector<float> coordinates;
+    std::vector<EdgeBlock> blocks;
+  };
+
+  /// O(triangles) where normals or O(contour) where the contour decides. False for a node without child nodes, whose
+  /// contour is not known.
+  bool is_graph(Index node, Workspace& workspace) const;
+
+  /// The plane across the area vector of a node's piece (of both ends together); a zero normal where there is none.
+  ProjectionPlane plane_of(Index node) const;
+
+  /// Only the first condition: all triangles of the node certainly face along the plane's normal.
+  bool do_triangles_face(Index node, const ProjectionPlane& plane) const;
+
+  /// Only the others: the contours, projected on the plane, certainly meet nowhere, and wind around no point twice.
+  bool is_contour_embedded(Index node, const ProjectionPlane& plane, Workspace& workspace,
+                           ContourTest test = ContourTest::kMonotoneRuns) const;
+
+ private:
+  static constexpr int kCoefficients = 2 * kSteps - 1;
+  void compute_areas(Index first, Index last);
+  PlanarLoops<kSteps> project_contours(const SurfacePieces::Contours& contours, const ProjectionPlane& plane,
+                                       Workspace& workspace) const;
+
+  const SurfacePieces* pieces_ = nullptr;
+  Poses poses_;
+  std::array<std::array<std::vector<float>, 4>, kCoefficients> areas_;
+  std::vector<Vec3> group_areas_;  ///< of consecutive triangles together
+};
+
+/// The plane across a vector, which need not have unit length; a zero normal where it has no length.
+ProjectionPlane plane_across(const Vec3& direction);
+
+}  // namespace selvage
