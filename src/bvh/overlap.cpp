@@ -14,18 +14,21 @@ namespace {
 constexpr std::size_t kPieces = 1024;  ///< enough that threads stay busy where pieces differ in size
 
 template <bool kSelf>
-PairWork split_work(const Bvh& a, const Bvh& b, std::size_t wanted) {
+PairWork split_work(const Bvh& a, const Bvh& b, std::size_t wanted, const std::function<bool(NodePair)>& keep) {
   PairWork work;
   if (a.nodes().empty() || b.nodes().empty()) return work;
   const auto visit = [&](Index i, Index j) {
     work.found.push_back(kSelf ? IndexPair(std::min(i, j), std::max(i, j)) : IndexPair(i, j));
   };
-  work.pieces = {{0, 0}};
+  const auto add = [&](std::vector<NodePair>& pieces, NodePair pair) {
+    if (!keep || keep(pair)) pieces.push_back(pair);
+  };
+  add(work.pieces, {0, 0});
   while (!work.pieces.empty() && work.pieces.size() < wanted) {
     std::vector<NodePair> smaller;
     for (const NodePair& piece : work.pieces)
       traversal::compare_children<kSelf>(
-          a.nodes(), b.nodes(), piece, [&](NodePair pair) { smaller.push_back(pair); },
+          a.nodes(), b.nodes(), piece, [&](NodePair pair) { add(smaller, pair); },
           [&](const PrimitiveRow& row) { traversal::visit_row(a.nodes(), b.nodes(), row, visit); });
     work.pieces = std::move(smaller);
   }
@@ -50,11 +53,11 @@ std::vector<IndexPair> find_pairs(PairWork work, Index first_count, Find&& find)
 }  // namespace
 
 PairWork split_pair_work(const Bvh& a, const Bvh& b, std::size_t wanted) {
-  return split_work<false>(a, b, wanted);
+  return split_work<false>(a, b, wanted, {});
 }
 
-PairWork split_self_pair_work(const Bvh& bvh, std::size_t wanted) {
-  return split_work<true>(bvh, bvh, wanted);
+PairWork split_self_pair_work(const Bvh& bvh, std::size_t wanted, const std::function<bool(NodePair)>& keep) {
+  return split_work<true>(bvh, bvh, wanted, keep);
 }
 
 std::vector<IndexPair> overlapping_pairs(const Bvh& a, const Bvh& b) {

@@ -203,7 +203,9 @@ class Search {
   bool is_stopped() const { return result_.stop != nullptr && result_.stop->load(std::memory_order_relaxed); }
 
   /// The one place where a pair of nodes is left out although their boxes meet. The hierarchy alone leaves out none.
-  SELVAGE_INLINE static bool is_worth_comparing(NodePair) { return true; }
+  SELVAGE_INLINE bool is_worth_comparing(NodePair pair) const {
+    return !kSelf || !scene_.spared.do_hold(scene_.a.nodes.data(), pair);
+  }
 
   static Index triangle(const SurfaceView& surface, Index primitive) {
     return surface.triangle_of == nullptr ? primitive : surface.triangle_of[primitive];

@@ -27,6 +27,19 @@ struct SurfaceView {
   const double* vertex_thickness;       ///< per vertex [m]; null: none
 };
 
+/// Pairs of nodes of one hierarchy that culling leaves out.
+struct SparedNodes {
+  const std::uint8_t* cleared = nullptr;  ///< per node, not 0: needs no comparison with itself; null: none
+  const std::uint8_t* siblings =
+      nullptr;  ///< per node its siblings, by their number, that it need not be compared with
+
+  SELVAGE_INLINE bool do_hold(const BvhNode* nodes, NodePair pair) const {
+    if (pair.a == pair.b) return cleared != nullptr && cleared[pair.a] != 0;
+    if (siblings == nullptr || nodes[pair.a].parent != nodes[pair.b].parent) return false;
+    return (siblings[pair.a] >> (pair.b - ~nodes[nodes[pair.a].parent].children[0]) & 1) != 0;
+  }
+};
+
 /// What a search reads. A surface with itself, with a part of itself (a), or with another.
 struct DiscreteScene {
   SurfaceView a, b;
@@ -34,6 +47,7 @@ struct DiscreteScene {
   bool include_adjacent;
   const std::uint8_t* in_subset;  ///< per triangle of b whether it is in a; null: a is no part of b
   const PairFilter* filter;       ///< null: keeps all
+  SparedNodes spared = {};
 };
 
 /// What one piece of a search brings.

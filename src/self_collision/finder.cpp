@@ -1,6 +1,7 @@
 #include "bvh/merge_sorted.h"
 #include "self_collision/discrete_kernel.h"
 #include "self_collision/pair_filter.h"
+#include "self_collision/self_culling.h"
 #include "self_collision/surface_pose.h"
 #include "selvage/core/error.h"
 #include "selvage/core/parallel.h"
@@ -16,7 +17,9 @@ namespace selvage {
 
 namespace {
 
-constexpr std::array<std::string_view, 1> kMethodNames{"bvh"};
+constexpr std::array<std::string_view, 7> kMethodNames{
+    "bvh", "normal-cone", "dual-cone", "dual-cone-internal", "enhanced-dual-cone", "enhanced-dual-cone-published",
+    "auto"};
 constexpr std::size_t kPieces = 512;  ///< enough that threads stay busy where pieces differ in size
 
 /// Vertices of the triangles in the leaves, per node.
@@ -77,6 +80,8 @@ SelfCollisionCounters& SelfCollisionCounters::operator+=(const SelfCollisionCoun
   node_pairs += other.node_pairs;
   box_pairs += other.box_pairs;
   adjacent_pairs += other.adjacent_pairs;
+  cleared_nodes += other.cleared_nodes;
+  cleared_triangles += other.cleared_triangles;
   exact_tests += other.exact_tests;
   return *this;
 }
@@ -89,6 +94,9 @@ struct SelfCollisionFinder::State {
   SurfacePose pose;
   Bvh bvh;
   std::vector<LeafVertices> leaves;
+  SurfacePieces pieces;
+  GraphTest<1> graph_test;
+  SparedPairs spared;
 
   State(const TriangleMesh& m, std::span<const Vec3> positions, SelfCollisionOptions o)
       : mesh(m), options(std::move(o)), filter(PairFilter::where_needed(m, options.filters)) {
@@ -114,17 +122,27 @@ struct SelfCollisionFinder::State {
   void build() {
     bvh = Bvh(pose.boxes());
     leaves = list_leaf_vertices(bvh, mesh.triangles(), {});
+    if (is_culling()) pieces = SurfacePieces(mesh, bvh);
+  }
+
+  /// Culling knows where triangles do not meet, not how near they are.
+  bool is_culling() const { return options.method != CullingMethod::kBvh && options.thickness.empty(); }
+
+  void cull() {
+    if (is_culling()) spared = spare_pairs<1>(options.method, bvh, pieces, {pose.positions()}, graph_test);
   }
 
   void update(std::span<const Vec3> positions) {
     place(positions);
     bvh.refit(pose.boxes());
     if (bvh.quality_loss() > Bvh::kRebuildAbove) build();
+    cull();
   }
 
   void rebuild(std::span<const Vec3> positions) {
     place(positions);
     build();
+    cull();
   }
 
   static SurfaceView view(const TriangleMesh& mesh, const SurfacePose& pose, const Bvh& bvh,
@@ -145,8 +163,16 @@ struct SelfCollisionFinder::State {
   }
 
   std::vector<TrianglePair> search_self_pairs(std::atomic<bool>* stop, SelfCollisionCounters* counters) const {
-    return search_all(self_scene(), split_self_pair_work(bvh, kPieces), mesh.triangle_count(), stop, counters,
-                      search_self);
+    DiscreteScene scene = self_scene();
+    scene.spared = {spared.cleared.empty() ? nullptr : spared.cleared.data(),
+                    spared.siblings.empty() ? nullptr : spared.siblings.data()};
+    if (counters != nullptr) {
+      counters->cleared_nodes += spared.counters.cleared_nodes;
+      counters->cleared_triangles += spared.counters.cleared_triangles;
+    }
+    const PairWork work = split_self_pair_work(
+        bvh, kPieces, [&](NodePair pair) { return !scene.spared.do_hold(bvh.nodes().data(), pair); });
+    return search_all(scene, work, mesh.triangle_count(), stop, counters, search_self);
   }
 };
 

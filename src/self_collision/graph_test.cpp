@@ -212,14 +212,16 @@ PlanarLoops<kSteps> GraphTest<kSteps>::project_contours(const SurfacePieces::Con
   }
 
   double largest = 0, sum = 0;  // a coordinate that is not finite shows in the sum
-  const Vec3 origin = poses_[0][pieces_->tail(contours.edges[0])];
+  // An origin that moves along takes out what the piece moves as a whole.
+  std::array<Vec3, kSteps> origin;
+  for (int s = 0; s < kSteps; ++s) origin[s] = poses_[s][pieces_->tail(contours.edges[0])];
   std::size_t place = 0, first_edge = 0;
   for (const Index end : contours.loops) {
     const std::size_t first = place;
     for (std::size_t edge = first_edge; edge < static_cast<std::size_t>(end); ++edge, ++place) {
       const Index v = workspace.vertices[place] = pieces_->tail(contours.edges[edge]);
       for (int s = 0; s < kSteps; ++s) {
-        const Vec3 p = poses_[s][v] - origin;
+        const Vec3 p = poses_[s][v] - origin[s];
         const double x = p[0] * plane.u_axis[0] + p[1] * plane.u_axis[1] + p[2] * plane.u_axis[2];
         const double y = p[0] * plane.v_axis[0] + p[1] * plane.v_axis[1] + p[2] * plane.v_axis[2];
         rows[2 * s][place] = x;

@@ -38,7 +38,7 @@ TEST_F(CheckTest, JsonHasTheSchema) {
                                              "statistics", "seconds"}));
   EXPECT_EQ(result["schema"], 1);
   EXPECT_EQ(result["kind"], "discrete");
-  EXPECT_EQ(result["method"], "bvh");
+  EXPECT_EQ(result["method"], "auto");
   EXPECT_EQ(result["triangle_pairs"], json::parse("[[0,1],[0,2]]"));
   EXPECT_EQ(result["contacts"], json::parse("[\"crossing\",\"touching\"]"));
   EXPECT_EQ(result["statistics"]["triangles"], 4);

@@ -2,6 +2,7 @@
 
 #include "selvage/bvh/bvh.h"
 
+#include <functional>
 #include <utility>
 
 namespace selvage {
@@ -32,6 +33,8 @@ struct PairWork {
 /// Cuts the search for overlapping pairs into at least `wanted` pieces, where there are as many; for a visit_pairs() or
 /// visit_self_pairs() of each piece in parallel. The same pieces in the same order, whatever the number of threads.
 PairWork split_pair_work(const Bvh& a, const Bvh& b, std::size_t wanted);
-PairWork split_self_pair_work(const Bvh& bvh, std::size_t wanted);
+
+/// @param keep  pairs of nodes that need no comparison are left out with all below them; empty: keeps all
+PairWork split_self_pair_work(const Bvh& bvh, std::size_t wanted, const std::function<bool(NodePair)>& keep = {});
 
 }  // namespace selvage

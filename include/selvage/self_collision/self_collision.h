@@ -10,9 +10,16 @@
 
 namespace selvage {
 
-/// How pairs that cannot collide are left out before they are looked at. No method changes any answer.
+/// How pairs that cannot collide are left out before they are looked at. Those marked as accurate change no answer; see
+/// docs/self_collision_cones.md.
 enum class CullingMethod : std::uint8_t {
-  kBvh,  ///< the hierarchy alone: the truth that others are held against
+  kBvh,                        ///< accurate: the hierarchy alone, the truth that others are held against
+  kNormalCone,                 ///< accurate: normal cones and contour tests (Volino and Thalmann 1994, Provot 1997)
+  kDualCone,                   ///< FASTCD (Heo and others 2010) as published, without internal edges: misses pairs
+  kDualConeInternal,           ///< the same with internal edges: may miss pairs
+  kEnhancedDualCone,           ///< accurate: EDC (Wang and others 2018) with conditions that suffice
+  kEnhancedDualConePublished,  ///< EDC as published: misses pairs
+  kAuto,                       ///< accurate: the fastest
 };
 
 /// The names of the methods, in the order of their numbers.
@@ -24,7 +31,7 @@ CullingMethod culling_method(std::string_view name);
 
 /// What is asked of a surface.
 struct SelfCollisionOptions {
-  CullingMethod method = CullingMethod::kBvh;
+  CullingMethod method = CullingMethod::kAuto;
 
   /// Also pairs of triangles that share a vertex or an edge and meet anywhere else, or share all their vertices. For
   /// discrete queries; continuous ones have no such pairs.
@@ -49,10 +56,12 @@ struct TrianglePair {
 
 /// What a search did. The same for any number of threads.
 struct SelfCollisionCounters {
-  std::int64_t node_pairs = 0;      ///< pairs of nodes whose children were compared
-  std::int64_t box_pairs = 0;       ///< pairs of triangles whose boxes meet
-  std::int64_t adjacent_pairs = 0;  ///< those that share a vertex
-  std::int64_t exact_tests = 0;     ///< pairs that single precision could not tell apart, and that filters keep
+  std::int64_t node_pairs = 0;         ///< pairs of nodes whose children were compared
+  std::int64_t box_pairs = 0;          ///< pairs of triangles whose boxes meet
+  std::int64_t adjacent_pairs = 0;     ///< those that share a vertex
+  std::int64_t cleared_nodes = 0;      ///< nodes that culling found not to need a comparison with themselves
+  std::int64_t cleared_triangles = 0;  ///< triangles in them
+  std::int64_t exact_tests = 0;        ///< pairs that single precision could not tell apart, and that filters keep
 
   SelfCollisionCounters& operator+=(const SelfCollisionCounters& other);
 };

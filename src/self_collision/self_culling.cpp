@@ -1,0 +1,131 @@
+#include "self_collision/self_culling.h"
+
+#include "self_collision/published_enhanced.h"
+#include "selvage/core/parallel.h"
+
+#include <numbers>
+
+namespace selvage {
+
+namespace {
+
+/// Smaller pieces cost about as much to clear as their triangles to compare.
+constexpr Index kSmallestPiece = 32;
+
+/// Asks nodes from the root down, those below a node only where the node itself is not cleared.
+///
+/// @param smallest   nodes with fewer triangles are not asked
+/// @param is_clear   `bool is_clear(Index node, Workspace&)`, thread-safe
+template <typename Workspace, typename IsClear>
+void clear_from_root(const Bvh& bvh, const SurfacePieces& pieces, Index smallest, SparedPairs& spared,
+                     IsClear&& is_clear) {
+  const auto nodes = bvh.nodes();
+  spared.cleared.assign(nodes.size(), 0);
+  std::vector<Index> asked = {0}, below;
+  while (!asked.empty()) {
+    parallel_ranges(std::ssize(asked), 64, [&](std::int64_t first, std::int64_t last) {
+      Workspace workspace;
+      for (std::int64_t i = first; i < last; ++i)
+        if (is_clear(asked[i], workspace)) spared.cleared[asked[i]] = 1;
+    });
+    below.clear();
+    for (const Index n : asked) {
+      ++spared.counters.tested_nodes;
+      if (spared.cleared[n] != 0) {
+        ++spared.counters.cleared_nodes;
+        spared.counters.cleared_triangles += pieces.ranges()[n].size();
+        continue;
+      }
+      for (int i = 0; i < nodes[n].child_count && nodes[n].children[i] < 0; ++i) {
+        const Index child = ~nodes[n].children[i];
+        if (pieces.ranges()[child].size() >= smallest) below.push_back(child);
+      }
+    }
+    std::swap(asked, below);
+  }
+}
+
+struct NoWorkspace {};
+
+/// Binormals of contour edges that are not on the border of the whole surface.
+template <int kSteps>
+DirectionCone inner_binormals(const SurfacePieces& pieces, const SurfaceCones<kSteps>& cones, Index node) {
+  DirectionCone inner;
+  for (const Index edge : pieces.contours(node).edges)
+    if (pieces.opposite(edge) != kNone) inner.merge(cones.binormals(edge));
+  return inner;
+}
+
+/// As published: children that pass a test alone, and pairs of them that pass together, are left out even where the
+/// others do not pass.
+template <int kSteps>
+void spare_as_published(const Bvh& bvh, const SurfacePieces& pieces, const SurfaceCones<kSteps>& cones,
+                        const typename GraphTest<kSteps>::Poses& poses, SparedPairs& spared) {
+  const auto nodes = bvh.nodes();
+  spared.siblings.assign(nodes.size(), 0);
+  std::vector<std::uint8_t> alone(nodes.size(), 0);
+  clear_from_root<NoWorkspace>(bvh, pieces, 1, spared, [&](Index n, NoWorkspace&) {
+    if (alone[n] != 0) return true;
+    if (nodes[n].children[0] >= 0) return false;
+    const EnhancedDualConeResult result = test_enhanced_dual_cone<kSteps>(bvh, pieces, cones, poses, n);
+    if (result.does_clear(nodes[n].child_count)) return true;
+    for (int i = 0; i < nodes[n].child_count && nodes[n].children[i] < 0; ++i) {
+      alone[~nodes[n].children[i]] = static_cast<std::uint8_t>(result.alone >> i & 1);
+      spared.siblings[~nodes[n].children[i]] = result.apart[i];
+    }
+    return false;
+  });
+}
+
+}  // namespace
+
+template <int kSteps>
+SparedPairs spare_pairs(CullingMethod method, const Bvh& bvh, const SurfacePieces& pieces,
+                        const typename GraphTest<kSteps>::Poses& poses, GraphTest<kSteps>& test) {
+  SparedPairs spared;
+  if (method == CullingMethod::kBvh || bvh.nodes().empty()) return spared;
+  if (method == CullingMethod::kAuto) {
+    test.place(pieces, poses);
+    clear_from_root<typename GraphTest<kSteps>::Workspace>(
+        bvh, pieces, kSmallestPiece, spared,
+        [&](Index n, typename GraphTest<kSteps>::Workspace& workspace) { return test.is_graph(n, workspace); });
+    return spared;
+  }
+  const SurfaceCones<kSteps> cones(bvh, pieces, poses);
+  switch (method) {
+    case CullingMethod::kDualCone:
+      clear_from_root<NoWorkspace>(bvh, pieces, 1, spared, [&](Index n, NoWorkspace&) {
+        return passes_dual_cone_test(cones.normals(n), cones.border_binormals(n));
+      });
+      break;
+    case CullingMethod::kDualConeInternal:
+      clear_from_root<NoWorkspace>(bvh, pieces, 1, spared, [&](Index n, NoWorkspace&) {
+        return bvh.nodes()[n].children[0] < 0 && passes_dual_cone_test(cones.normals(n), cones.border_binormals(n)) &&
+               passes_dual_cone_test(cones.normals(n), inner_binormals(pieces, cones, n));
+      });
+      break;
+    case CullingMethod::kEnhancedDualConePublished:
+      spare_as_published<kSteps>(bvh, pieces, cones, poses, spared);
+      break;
+    default: {
+      test.place(pieces, poses);
+      const ContourTest contour =
+          method == CullingMethod::kNormalCone ? ContourTest::kAllEdges : ContourTest::kMonotoneRuns;
+      clear_from_root<typename GraphTest<kSteps>::Workspace>(
+          bvh, pieces, 1, spared, [&](Index n, typename GraphTest<kSteps>::Workspace& workspace) {
+            // The cone says where to look, and the test makes sure: cones are rounded.
+            if (!(cones.normals(n).angle < std::numbers::pi / 2)) return false;
+            const ProjectionPlane plane = plane_across(cones.normals(n).axis);
+            return test.do_triangles_face(n, plane) && test.is_contour_embedded(n, plane, workspace, contour);
+          });
+    }
+  }
+  return spared;
+}
+
+template SparedPairs spare_pairs<1>(CullingMethod, const Bvh&, const SurfacePieces&, const GraphTest<1>::Poses&,
+                                    GraphTest<1>&);
+template SparedPairs spare_pairs<2>(CullingMethod, const Bvh&, const SurfacePieces&, const GraphTest<2>::Poses&,
+                                    GraphTest<2>&);
+
+}  // namespace selvage

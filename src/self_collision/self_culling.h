@@ -1,0 +1,35 @@
+#pragma once
+
+#include "self_collision/graph_test.h"
+#include "selvage/self_collision/self_collision.h"
+
+namespace selvage {
+
+/// What culling did.
+struct CullingCounters {
+  std::int64_t tested_nodes = 0;       ///< nodes asked whether they need a test against themselves
+  std::int64_t cleared_nodes = 0;      ///< those that need none
+  std::int64_t cleared_triangles = 0;  ///< in them
+};
+
+/// Which comparisons within one hierarchy a method leaves out.
+struct SparedPairs {
+  /// (n_nodes) not 0: the node need not be compared with itself. Not set below such a node. Empty: none.
+  std::vector<std::uint8_t> cleared;
+
+  /// (n_nodes) siblings, by their number, with which a node need not be compared. Empty: none.
+  std::vector<std::uint8_t> siblings;
+
+  CullingCounters counters;
+};
+
+/// Finds what a method leaves out of the search of a surface against itself, in one pose or over a step. O(n),
+/// parallel; the same for any number of threads. The methods are those of docs/self_collision_cones.md; nothing for
+/// kBvh.
+///
+/// @param test  memory to use again for every pose
+template <int kSteps>
+SparedPairs spare_pairs(CullingMethod method, const Bvh& bvh, const SurfacePieces& pieces,
+                        const typename GraphTest<kSteps>::Poses& poses, GraphTest<kSteps>& test);
+
+}  // namespace selvage

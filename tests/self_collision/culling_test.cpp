@@ -1,0 +1,330 @@
+#include "self_collision/culling_surfaces.h"
+#include "self_collision/graph_test.h"
+#include "self_collision/published_enhanced.h"
+#include "selvage/self_collision/self_collision.h"
+#include "test_scale.h"
+
+#include <tbb/global_control.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace selvage {
+
+namespace {
+
+using surfaces::Random;
+using surfaces::Surface;
+using test::scaled;
+using Pairs = std::vector<TrianglePair>;
+
+constexpr CullingMethod kAccurate[] = {CullingMethod::kNormalCone, CullingMethod::kEnhancedDualCone,
+                                       CullingMethod::kAuto};
+
+SelfCollisionOptions by(CullingMethod method, bool adjacent = false) {
+  SelfCollisionOptions options;
+  options.method = method;
+  options.include_adjacent = adjacent;
+  return options;
+}
+
+Pairs pairs_by(CullingMethod method, const Surface& surface, bool adjacent = false,
+               SelfCollisionCounters* counters = nullptr) {
+  const TriangleMesh mesh = surface.mesh();
+  return SelfCollisionFinder(mesh, surface.positions, by(method, adjacent)).find_pairs(counters);
+}
+
+void expect_all_agree(const Surface& surface) {
+  for (const bool adjacent : {false, true}) {
+    const Pairs expected = pairs_by(CullingMethod::kBvh, surface, adjacent);
+    for (const CullingMethod method : kAccurate)
+      ASSERT_EQ(pairs_by(method, surface, adjacent), expected)
+          << culling_method_names()[static_cast<int>(method)] << (adjacent ? " adjacent" : "");
+  }
+}
+
+class CullingOf : public testing::TestWithParam<surfaces::Family> {};
+INSTANTIATE_TEST_SUITE_P(All, CullingOf, testing::ValuesIn(surfaces::families()),
+                         [](const auto& family) { return family.param.name; });
+
+TEST_P(CullingOf, ChangesNoAnswer) {
+  Random random(11);
+  for (std::int64_t n = 0; n < scaled(60); ++n) {
+    const Surface surface = GetParam().make(random);
+    ASSERT_NO_FATAL_FAILURE(expect_all_agree(n % 4 == 0 ? surfaces::snapped(surface, 3) : surface)) << n;
+  }
+}
+
+TEST(Culling, ChangesNoAnswerOnWavedSheets) {
+  Random random(12);
+  SelfCollisionCounters counters[std::size(kAccurate)];
+  std::int64_t triangles = 0;
+  for (std::int64_t n = 0; n < scaled(200); ++n) {
+    const Surface surface = surfaces::waved_sheet(random);
+    triangles += std::ssize(surface.triangles);
+    ASSERT_NO_FATAL_FAILURE(expect_all_agree(n % 8 == 0 ? surfaces::snapped(surface, 4) : surface)) << n;
+    for (std::size_t m = 0; m < std::size(kAccurate); ++m) pairs_by(kAccurate[m], surface, false, &counters[m]);
+  }
+  // Else nothing of the above means anything.
+  for (const SelfCollisionCounters& counter : counters) EXPECT_GT(counter.cleared_triangles, triangles / 4);
+}
+
+TEST(Culling, FollowsNewPoses) {
+  Random random(13);
+  for (std::int64_t n = 0; n < scaled(30); ++n) {
+    const Surface first = surfaces::waved_sheet(random);
+    const TriangleMesh mesh = first.mesh();
+    for (const CullingMethod method : kAccurate) {
+      SelfCollisionFinder finder(mesh, first.positions, by(method));
+      for (int pose = 0; pose < 3; ++pose) {
+        const Surface next = surfaces::jittered(first, 0.3 * pose, random);
+        finder.update(next.positions);
+        ASSERT_EQ(finder.find_pairs(), pairs_by(CullingMethod::kBvh, next)) << n;
+        ASSERT_EQ(finder.has_pairs(), !finder.find_pairs().empty());
+      }
+    }
+  }
+}
+
+TEST(Culling, IsTheSameForAnyNumberOfThreads) {
+  Random random(14);
+  for (int n = 0; n < 5; ++n) {
+    const Surface surface = surfaces::waved_sheet(random);
+    for (const CullingMethod method : kAccurate) {
+      SelfCollisionCounters one_thread, many;
+      Pairs pairs;
+      {
+        tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
+        pairs = pairs_by(method, surface, false, &one_thread);
+      }
+      EXPECT_EQ(pairs_by(method, surface, false, &many), pairs);
+      EXPECT_EQ(many.cleared_triangles, one_thread.cleared_triangles);
+      EXPECT_EQ(many.node_pairs, one_thread.node_pairs);
+    }
+  }
+}
+
+TEST(Culling, IsOffWhereThicknessCounts) {
+  Surface surface = surfaces::together(surfaces::crossed_rectangles(), {});
+  for (Vec3& x : surface.positions) x[2] = 0;
+  for (std::size_t v = 0; v < surface.positions.size() / 2; ++v) surface.positions[v][2] = 0.5;
+  const TriangleMesh mesh = surface.mesh();
+  SelfCollisionOptions options = by(CullingMethod::kAuto), truth = by(CullingMethod::kBvh);
+  options.thickness = truth.thickness = std::vector<double>(surface.positions.size(), 0.3);
+  const Pairs expected = SelfCollisionFinder(mesh, surface.positions, truth).find_pairs();
+  EXPECT_FALSE(expected.empty());
+  EXPECT_EQ(SelfCollisionFinder(mesh, surface.positions, options).find_pairs(), expected);
+}
+
+std::int64_t missed_by(CullingMethod method, const Surface& surface) {
+  const Pairs all = pairs_by(CullingMethod::kBvh, surface), found = pairs_by(method, surface);
+  EXPECT_TRUE(std::includes(all.begin(), all.end(), found.begin(), found.end()));
+  return std::ssize(all) - std::ssize(found);
+}
+
+TEST(PublishedConditions, MissPairsOfLoosePieces) {
+  const Surface surface = surfaces::crossed_rectangles();
+  ASSERT_NO_FATAL_FAILURE(expect_all_agree(surface));
+  EXPECT_GT(missed_by(CullingMethod::kDualCone, surface), 0);
+  EXPECT_GT(missed_by(CullingMethod::kEnhancedDualConePublished, surface), 0);
+}
+
+TEST(PublishedConditions, MissPairsOfOneConnectedPiece) {
+  std::int64_t missed_by_dual = 0, missed_by_enhanced = 0;
+  for (int turn = 0; turn < 90; turn += 15) {
+    const Surface surface = surfaces::overwound_sector(turn);
+    EXPECT_FALSE(pairs_by(CullingMethod::kBvh, surface).empty());
+    ASSERT_NO_FATAL_FAILURE(expect_all_agree(surface));
+    missed_by_dual += missed_by(CullingMethod::kDualCone, surface);
+    missed_by_enhanced += missed_by(CullingMethod::kEnhancedDualConePublished, surface);
+  }
+  EXPECT_GT(missed_by_dual, 0);
+  EXPECT_GT(missed_by_enhanced, 0);
+}
+
+TEST(PublishedConditions, MissPairsWithoutAnyBorder) {
+  Random random(15);
+  for (int n = 0; n < 5; ++n) {
+    const Surface surface = surfaces::pushed_through(random);
+    EXPECT_FALSE(pairs_by(CullingMethod::kBvh, surface).empty());
+    ASSERT_NO_FATAL_FAILURE(expect_all_agree(surface));
+    EXPECT_GE(missed_by(CullingMethod::kDualCone, surface), 0);
+  }
+}
+
+/// Per triangle its place in the order of the leaves.
+std::vector<Index> places(const Bvh& bvh) {
+  const std::vector<Index> order = bvh.leaf_order();
+  std::vector<Index> place(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) place[order[i]] = static_cast<Index>(i);
+  return place;
+}
+
+/// A surface with its hierarchy and all that is known of its pieces.
+struct Scene {
+  explicit Scene(const Surface& surface) : mesh(surface.mesh()), positions(surface.positions) {
+    std::vector<Box> boxes;
+    for (const VertexTuple<3>& t : mesh.triangles())
+      boxes.push_back(bounding_box<3>(std::array<Vec3, 3>{positions[t[0]], positions[t[1]], positions[t[2]]}));
+    bvh = Bvh(boxes);
+    pieces = SurfacePieces(mesh, bvh);
+    graphs.place(pieces, {positions});
+  }
+  Scene(const Scene&) = delete;
+
+  TriangleMesh mesh;
+  std::vector<Vec3> positions;
+  Bvh bvh;
+  SurfacePieces pieces;
+  GraphTest<1> graphs;
+  GraphTest<1>::Workspace workspace;
+};
+
+/// Nodes that pass all of EDC's conditions as published, and yet hold a pair.
+int nodes_cleared_in_error(const Surface& surface) {
+  const Scene scene(surface);
+  const SurfaceCones<1> cones(scene.bvh, scene.pieces, {scene.positions});
+  const std::vector<Index> place = places(scene.bvh);
+  const Pairs pairs = pairs_by(CullingMethod::kBvh, surface);
+  int count = 0;
+  for (Index node = 0; node < static_cast<Index>(scene.bvh.nodes().size()); ++node) {
+    if (scene.bvh.nodes()[node].children[0] >= 0) continue;
+    const auto range = scene.pieces.ranges()[node];
+    const bool holds_pair = std::any_of(pairs.begin(), pairs.end(), [&](const TrianglePair& pair) {
+      return range.holds(place[pair.first]) && range.holds(place[pair.second]);
+    });
+    if (holds_pair && test_enhanced_dual_cone<1>(scene.bvh, scene.pieces, cones, {scene.positions}, node)
+                          .does_clear(scene.bvh.nodes()[node].child_count))
+      ++count;
+  }
+  return count;
+}
+
+TEST(PublishedConditions, AllTogetherDoNotSuffice) {
+  int on_sectors = 0;
+  for (int turn = 0; turn < 90; turn += 15) on_sectors += nodes_cleared_in_error(surfaces::overwound_sector(turn));
+  EXPECT_GT(on_sectors, 0);
+}
+
+TEST(GraphTest, IsNotFooledByNestedContours) {
+  const Surface surface = surfaces::crosswise_squares();
+  EXPECT_FALSE(pairs_by(CullingMethod::kBvh, surface).empty());
+  Scene scene(surface);
+  const ProjectionPlane plane = plane_across(Vec3(0, 0, 1));
+  EXPECT_EQ(scene.pieces.contours(0).loops.size(), 2u);
+  EXPECT_TRUE(scene.graphs.do_triangles_face(0, plane));
+  EXPECT_FALSE(scene.graphs.is_contour_embedded(0, plane, scene.workspace));
+  ASSERT_NO_FATAL_FAILURE(expect_all_agree(surface));
+}
+
+TEST(GraphTest, ClearsSheetsSideBySideAndWithHoles) {
+  Random random(16);
+  Surface left = surfaces::sheet(6, 6, random), right = left;
+  for (Vec3& x : right.positions) x[0] += 7;
+  Surface both = surfaces::together(left, right);
+  Scene two(both);
+  EXPECT_TRUE(two.graphs.is_graph(0, two.workspace));
+  for (Vec3& x : right.positions) x += Vec3(-6.5, 0.2, 1);
+  Scene above(surfaces::together(left, right));
+  EXPECT_FALSE(above.graphs.is_graph(0, above.workspace));
+  std::erase_if(left.triangles, [&](const VertexTuple<3>& t) {
+    const Vec3 middle = (left.positions[t[0]] + left.positions[t[1]] + left.positions[t[2]]) / 3;
+    return middle[0] > 2 && middle[0] < 4 && middle[1] > 2 && middle[1] < 4;
+  });
+  Scene holed(left);
+  EXPECT_EQ(holed.pieces.contours(0).loops.size(), 2u);
+  EXPECT_TRUE(holed.graphs.is_graph(0, holed.workspace));
+}
+
+TEST(GraphTest, DoesNotDependOnOrientation) {
+  Random random(17);
+  Surface surface = surfaces::sheet(8, 8, random);
+  for (VertexTuple<3>& t : surface.triangles)
+    if (random.below(2) == 0) std::swap(t[0], t[1]);
+  Scene scene(surface);
+  EXPECT_TRUE(scene.graphs.is_graph(0, scene.workspace));
+}
+
+// Whatever piece is called a graph holds no pair at all, adjacent ones included: each pair that the hierarchy alone
+// finds is looked up in every node.
+TEST(GraphTest, NoGraphHoldsAPair) {
+  Random random(18);
+  std::int64_t graphs = 0;
+  for (std::int64_t n = 0; n < scaled(400); ++n) {
+    const auto& families = surfaces::families();
+    Surface surface = n % 2 == 0 ? surfaces::waved_sheet(random)
+                                 : families[random.below(static_cast<Index>(families.size()))].make(random);
+    if (n % 5 == 0) surface = surfaces::snapped(surface, 2);
+    Scene scene(surface);
+    const std::vector<Index> place = places(scene.bvh);
+    const Pairs pairs = pairs_by(CullingMethod::kBvh, surface, true);
+    for (Index node = 0; node < static_cast<Index>(scene.bvh.nodes().size()); ++node) {
+      if (!scene.graphs.is_graph(node, scene.workspace)) continue;
+      ++graphs;
+      const auto range = scene.pieces.ranges()[node];
+      for (const TrianglePair& pair : pairs)
+        ASSERT_FALSE(range.holds(place[pair.first]) && range.holds(place[pair.second])) << n;
+    }
+  }
+  EXPECT_GT(graphs, scaled(400));
+}
+
+/// Every vertex part of the way from one pose to another.
+std::vector<Vec3> between(std::span<const Vec3> from, std::span<const Vec3> to, double t) {
+  std::vector<Vec3> positions;
+  for (std::size_t v = 0; v < from.size(); ++v) positions.push_back((1 - t) * from[v] + t * to[v]);
+  return positions;
+}
+
+// Over a step: a piece that is a graph all the time holds no pair at any time.
+TEST(GraphTest, NoMovingGraphHoldsAPairAtAnyTime) {
+  Random random(19);
+  std::int64_t graphs = 0;
+  for (std::int64_t n = 0; n < scaled(150); ++n) {
+    const Surface surface = surfaces::waved_sheet(random);
+    const Surface end = surfaces::jittered(surface, random.unit() * random.unit(), random);
+    Scene scene(surface);
+    GraphTest<2> moving;
+    GraphTest<2>::Workspace workspace;
+    moving.place(scene.pieces, {scene.positions, end.positions});
+    const std::vector<Index> place = places(scene.bvh);
+    std::vector<Pairs> pairs;
+    for (const double t : {0.0, 0.2, 0.5, 0.7, 1.0})
+      pairs.push_back(
+          pairs_by(CullingMethod::kBvh, {between(surface.positions, end.positions, t), surface.triangles}, true));
+    for (Index node = 0; node < static_cast<Index>(scene.bvh.nodes().size()); ++node) {
+      if (!moving.is_graph(node, workspace)) continue;
+      ++graphs;
+      const auto range = scene.pieces.ranges()[node];
+      for (const Pairs& at_one_time : pairs)
+        for (const TrianglePair& pair : at_one_time)
+          ASSERT_FALSE(range.holds(place[pair.first]) && range.holds(place[pair.second])) << n;
+    }
+  }
+  EXPECT_GT(graphs, scaled(150));
+}
+
+// A square turned over within the step: a graph at both ends, and flat against an edge between.
+TEST(GraphTest, SeesWhatHappensBetweenTheEnds) {
+  Random random(20);
+  const Surface surface = surfaces::sheet(6, 6, random);
+  Surface mirrored = surface;
+  for (Vec3& x : mirrored.positions) x[0] = 6 - x[0];
+  Scene scene(surface), end(mirrored);
+  EXPECT_TRUE(scene.graphs.is_graph(0, scene.workspace));
+  EXPECT_TRUE(end.graphs.is_graph(0, end.workspace));
+  GraphTest<2> moving;
+  GraphTest<2>::Workspace workspace;
+  moving.place(scene.pieces, {scene.positions, mirrored.positions});
+  EXPECT_FALSE(moving.is_graph(0, workspace));
+  // Without a change of shape there is nothing to see.
+  for (std::size_t v = 0; v < mirrored.positions.size(); ++v)
+    mirrored.positions[v] = scene.positions[v] + Vec3(1, 2, 3);
+  moving.place(scene.pieces, {scene.positions, mirrored.positions});
+  EXPECT_TRUE(moving.is_graph(0, workspace));
+}
+
+}  // namespace
+
+}  // namespace selvage
