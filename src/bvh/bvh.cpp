@@ -14,15 +14,16 @@ namespace selvage {
 
 namespace {
 
-constexpr Index kRefitChunk = 512;  ///< nodes summed together: fixed, so that sums do not depend on threads
+constexpr Index kRefitChunk = 256;  ///< nodes summed together: fixed, so that sums do not depend on threads
 
 /// Fits the nodes [first, last) of one level.
-MeasureSums fit_level(std::span<BvhNode> nodes, std::span<const Box> boxes, Index first, Index last,
-                      const BoxMeasure& measure) {
+template <typename Fill>
+MeasureSums fit_level(std::span<BvhNode> nodes, Index first, Index last, const BoxMeasure& measure, Fill&& fill) {
   const Index chunks = (last - first + kRefitChunk - 1) / kRefitChunk;
   const auto fit_chunk = [&](Index chunk) {
     const Index begin = first + chunk * kRefitChunk, end = std::min(begin + kRefitChunk, last);
-    return fit_nodes(nodes.data(), boxes.data(), begin, end, measure);
+    fill(nodes.data(), begin, end);
+    return fit_nodes(nodes.data(), begin, end, measure);
   };
   if (chunks == 1) return fit_chunk(0);
   std::vector<MeasureSums> sums(chunks);
@@ -66,7 +67,8 @@ Bvh::Bvh(std::span<const Box> boxes) {
   levels_ = std::move(topology.levels);
   flat_ = topology.flat;
   measure_scale_ = scale_for(topology.largest_extent);
-  built_cost_ = cost_ = fit_boxes(boxes);
+  refit(boxes);
+  built_cost_ = cost_;
 }
 
 void Bvh::refit(std::span<const Box> boxes) {
@@ -74,22 +76,22 @@ void Bvh::refit(std::span<const Box> boxes) {
     throw Error("hierarchy",
                 std::to_string(boxes.size()) + " boxes for " + std::to_string(primitive_count_) + " primitives",
                 "refit with one box per primitive, or build anew");
-  if (!boxes.empty()) cost_ = fit_boxes(boxes);
+  refit_from([&](BvhNode* nodes, Index first, Index last) { fill_boxes(nodes, boxes.data(), first, last); });
 }
 
-/// Fits all nodes and returns the cost of a query.
-double Bvh::fit_boxes(std::span<const Box> boxes) {
+void Bvh::refit_from(const BoxFiller& fill) {
+  if (nodes_.empty()) return;
   const BoxMeasure measure{measure_scale_, flat_};
   MeasureSums sums;
   for (std::size_t level = levels_.size() - 1; level > 0; --level) {
-    const MeasureSums level_sums = fit_level(nodes_, boxes, levels_[level - 1], levels_[level], measure);
+    const MeasureSums level_sums = fit_level(nodes_, levels_[level - 1], levels_[level], measure, fill);
     sums.nodes += level_sums.nodes;
     sums.primitives += level_sums.primitives;
   }
   const double root = measure_box(bounds_of(nodes_[0]), measure);
   // Points have no surface: then, and only then, the little share of the root decides.
   const double cost = (sums.nodes + root) / (sums.primitives + 1e-6 * root);
-  return cost > 0 && std::isfinite(cost) ? cost : 1;
+  cost_ = cost > 0 && std::isfinite(cost) ? cost : 1;
 }
 
 std::vector<Index> Bvh::leaf_order() const {

@@ -41,34 +41,44 @@ struct FourBounds {
   Float4 upper[3];
 };
 
-/// Bounds of children first ... first + 3.
-SELVAGE_INLINE FourBounds gather_four(const BvhNode& node, const BvhNode* nodes, const Box* boxes, int first) {
+/// Bounds of children first ... first + 3, as `bounds_of_child(lane)` gives them.
+template <typename BoundsOfChild>
+SELVAGE_INLINE FourBounds gather_four(int first, BoundsOfChild&& bounds_of_child) {
   ChildBounds bounds[4];
-  for (int i = 0; i < 4; ++i) {
-    const Index child = node.children[first + i];
-    if (first + i >= node.child_count)
-      bounds[i] = {Float4::broadcast(kInfinity), Float4::broadcast(-kInfinity)};
-    else
-      bounds[i] = child < 0 ? bounds_of(nodes[~child]) : bounds_of(boxes[child]);
-  }
+  for (int i = 0; i < 4; ++i) bounds[i] = bounds_of_child(first + i);
   transpose(bounds[0].lower, bounds[1].lower, bounds[2].lower, bounds[3].lower);
   transpose(bounds[0].upper, bounds[1].upper, bounds[2].upper, bounds[3].upper);
   return {{bounds[0].lower, bounds[1].lower, bounds[2].lower}, {bounds[1].upper, bounds[2].upper, bounds[3].upper}};
 }
 
-/// Sets the bounds of all children and returns their measures.
-SELVAGE_INLINE Float8 fit_node(BvhNode& node, const BvhNode* nodes, const Box* boxes, const BoxMeasure& measure) {
+SELVAGE_INLINE ChildBounds nothing() {
+  return {Float4::broadcast(kInfinity), Float4::broadcast(-kInfinity)};
+}
+
+SELVAGE_INLINE int inner_children(const BvhNode& node) {
+  int count = 0;
+  for (const Index child : node.children) count += child < 0;
+  return count;
+}
+
+/// Takes in the bounds of child nodes, which come first.
+SELVAGE_INLINE void merge_inner_children(BvhNode& node, const BvhNode* nodes, int inner_count) {
+  for (int first = 0; first < inner_count; first += 4) {
+    const FourBounds four = gather_four(
+        first, [&](int lane) { return lane < inner_count ? bounds_of(nodes[~node.children[lane]]) : nothing(); });
+    for (int axis = 0; axis < 3; ++axis) {
+      min(four.lower[axis], Float4::load(node.lower[axis] + first)).store(node.lower[axis] + first);
+      max(four.upper[axis], Float4::load(node.upper[axis] + first)).store(node.upper[axis] + first);
+    }
+  }
+}
+
+SELVAGE_INLINE Float8 measure_children(const BvhNode& node, const BoxMeasure& measure) {
   const Float8 zero = Float8::broadcast(0), scale = Float8::broadcast(measure.scale);
   const Float8 largest = Float8::broadcast(std::numeric_limits<float>::max());
-  const FourBounds left = gather_four(node, nodes, boxes, 0), right = gather_four(node, nodes, boxes, 4);
   Float8 extent[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    const Float8 lower = Float8::join(left.lower[axis], right.lower[axis]);
-    const Float8 upper = Float8::join(left.upper[axis], right.upper[axis]);
-    lower.store(node.lower[axis]);
-    upper.store(node.upper[axis]);
-    extent[axis] = min(max(upper - lower, zero), largest) * scale;
-  }
+  for (int axis = 0; axis < 3; ++axis)
+    extent[axis] = min(max(Float8::load(node.upper[axis]) - Float8::load(node.lower[axis]), zero), largest) * scale;
   if (measure.flat) return extent[0] + extent[1] + extent[2];
   return extent[0] * extent[1] + extent[1] * extent[2] + extent[2] * extent[0];
 }
@@ -83,17 +93,31 @@ SELVAGE_INLINE double sum_lanes(Float8 a) {
 
 }  // namespace
 
-MeasureSums fit_nodes(BvhNode* nodes, const Box* boxes, Index first, Index last, const BoxMeasure& measure) {
+void fill_boxes(BvhNode* nodes, const Box* boxes, Index first, Index last) {
   constexpr Index kAhead = 4;
-  Float8 all = Float8::broadcast(0), inner = all;
-  for (Index n = last - 1; n >= first; --n) {
+  for (Index n = first; n < last; ++n) {
     BvhNode& node = nodes[n];
-    if (n - kAhead >= first)
-      for (const Index child : nodes[n - kAhead].children)
+    if (n + kAhead < last)
+      for (const Index child : nodes[n + kAhead].children)
         if (child >= 0) prefetch(boxes + child);
-    const Float8 children = fit_node(node, nodes, boxes, measure);
-    int inner_count = 0;
-    for (int i = 0; i < BvhNode::kWidth; ++i) inner_count += node.children[i] < 0;
+    for (int half = 0; half < BvhNode::kWidth; half += 4) {
+      const FourBounds four = gather_four(half, [&](int lane) {
+        return lane < node.child_count && node.children[lane] >= 0 ? bounds_of(boxes[node.children[lane]]) : nothing();
+      });
+      for (int axis = 0; axis < 3; ++axis) {
+        four.lower[axis].store(node.lower[axis] + half);
+        four.upper[axis].store(node.upper[axis] + half);
+      }
+    }
+  }
+}
+
+MeasureSums fit_nodes(BvhNode* nodes, Index first, Index last, const BoxMeasure& measure) {
+  Float8 all = Float8::broadcast(0), inner = all;
+  for (Index n = first; n < last; ++n) {
+    const int inner_count = inner_children(nodes[n]);
+    merge_inner_children(nodes[n], nodes, inner_count);
+    const Float8 children = measure_children(nodes[n], measure);
     all = all + children;
     inner = inner + keep_first(children, inner_count);
   }

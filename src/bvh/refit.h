@@ -16,8 +16,11 @@ struct MeasureSums {
   double primitives = 0;
 };
 
-/// Sets the bounds of all children of the nodes [first, last), whose own child nodes must be fitted already. Bound by
-/// memory: wider instructions than every x86-64 has do not make it faster.
-MeasureSums fit_nodes(BvhNode* nodes, const Box* boxes, Index first, Index last, const BoxMeasure& measure);
+/// Sets the boxes of the primitives among the children of nodes [first, last), and empty ones for all other children.
+void fill_boxes(BvhNode* nodes, const Box* boxes, Index first, Index last);
+
+/// Sets the bounds of all child nodes of the nodes [first, last), which must be fitted already, where fill_boxes() left
+/// empty ones. Bound by memory: wider instructions than every x86-64 has do not make it faster.
+MeasureSums fit_nodes(BvhNode* nodes, Index first, Index last, const BoxMeasure& measure);
 
 }  // namespace selvage

@@ -86,6 +86,26 @@ TEST_P(BvhFamily, NodesAreInOrderWhenBuiltAndWhenRefitted) {
   }
 }
 
+TEST_P(BvhFamily, RefitsFromBoxesThatTheCallerComputes) {
+  Random random(9);
+  const Boxes boxes = GetParam().make(3000, random), moved = test::moved_boxes(boxes, random);
+  Bvh bvh(boxes), twin(boxes);
+  twin.refit(moved);
+  bvh.refit_from([&](BvhNode* nodes, Index first, Index last) {
+    for (Index n = first; n < last; ++n)
+      for (int i = 0; i < BvhNode::kWidth; ++i) {
+        const Index child = nodes[n].children[i];
+        const Box box = i < nodes[n].child_count && child >= 0 ? moved[child] : Box::empty();
+        for (int axis = 0; axis < 3; ++axis) {
+          nodes[n].lower[axis][i] = box.lower[axis];
+          nodes[n].upper[axis][i] = box.upper[axis];
+        }
+      }
+  });
+  EXPECT_EQ(std::memcmp(bvh.nodes().data(), twin.nodes().data(), bvh.nodes().size_bytes()), 0);
+  EXPECT_EQ(bvh.quality_loss(), twin.quality_loss());
+}
+
 TEST_P(BvhFamily, LeafOrderIsAPermutation) {
   Random random(4);
   const Boxes boxes = GetParam().make(1000, random);

@@ -4,6 +4,7 @@
 #include "selvage/core/types.h"
 
 #include <cstddef>
+#include <functional>
 
 namespace selvage {
 
@@ -52,6 +53,14 @@ class Bvh {
   /// @throws Error when the number of boxes is not primitive_count()
   void refit(std::span<const Box> boxes);
 
+  /// Sets the boxes of those children of the nodes [first, last) that are primitives, and empty boxes for all other
+  /// children. May write to the nodes nothing else.
+  using BoxFiller = std::function<void(BvhNode* nodes, Index first, Index last)>;
+
+  /// The same for a caller that can compute boxes in place. `fill` is called for pieces of the tree, in parallel within
+  /// a level, children before their parents.
+  void refit_from(const BoxFiller& fill);
+
   /// Expected cost of a query against the cost right after building: 1 then, larger when a refit has loosened the tree.
   /// Above 2 (see kRebuildAbove) a rebuild pays. O(1): measured while refitting.
   ///
@@ -70,8 +79,6 @@ class Bvh {
   std::vector<Index> leaf_order() const;
 
  private:
-  double fit_boxes(std::span<const Box> boxes);
-
   Index primitive_count_ = 0;
   std::vector<BvhNode> nodes_;
   std::vector<Index> levels_ = {0};

@@ -60,6 +60,9 @@ SELVAGE_INLINE Float4 operator-(Float4 a, Float4 b) {
 SELVAGE_INLINE Float4 operator*(Float4 a, Float4 b) {
   return {_mm_mul_ps(a.v, b.v)};
 }
+SELVAGE_INLINE Float4 operator/(Float4 a, Float4 b) {
+  return {_mm_div_ps(a.v, b.v)};
+}
 SELVAGE_INLINE Float4 min(Float4 a, Float4 b) {
   return {_mm_min_ps(a.v, b.v)};
 }
@@ -139,6 +142,9 @@ SELVAGE_INLINE Float4 operator-(const Float4& a, const Float4& b) {
 SELVAGE_INLINE Float4 operator*(const Float4& a, const Float4& b) {
   return Float4::lanes([&](int i) { return a.v[i] * b.v[i]; });
 }
+SELVAGE_INLINE Float4 operator/(const Float4& a, const Float4& b) {
+  return Float4::lanes([&](int i) { return a.v[i] / b.v[i]; });
+}
 SELVAGE_INLINE Float4 min(const Float4& a, const Float4& b) {
   return Float4::lanes([&](int i) { return a.v[i] < b.v[i] ? a.v[i] : b.v[i]; });
 }
@@ -214,6 +220,9 @@ SELVAGE_INLINE Float8 operator-(Float8 a, Float8 b) {
 SELVAGE_INLINE Float8 operator*(Float8 a, Float8 b) {
   return {_mm256_mul_ps(a.v, b.v)};
 }
+SELVAGE_INLINE Float8 operator/(Float8 a, Float8 b) {
+  return {_mm256_div_ps(a.v, b.v)};
+}
 SELVAGE_INLINE Float8 min(Float8 a, Float8 b) {
   return {_mm256_min_ps(a.v, b.v)};
 }
@@ -253,6 +262,19 @@ SELVAGE_INLINE unsigned equal_bits(Float8 a, Float8 b) {
       _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_castps_si256(a.v), _mm256_castps_si256(b.v)))));
 #endif
 }
+// Each in both halves as for four lanes.
+SELVAGE_INLINE Float8 interleave_low(Float8 a, Float8 b) {
+  return {_mm256_unpacklo_ps(a.v, b.v)};
+}
+SELVAGE_INLINE Float8 interleave_high(Float8 a, Float8 b) {
+  return {_mm256_unpackhi_ps(a.v, b.v)};
+}
+SELVAGE_INLINE Float8 join_low(Float8 a, Float8 b) {
+  return {_mm256_shuffle_ps(a.v, b.v, 0x44)};
+}
+SELVAGE_INLINE Float8 join_high(Float8 a, Float8 b) {
+  return {_mm256_shuffle_ps(a.v, b.v, 0xee)};
+}
 
 #else
 
@@ -278,6 +300,9 @@ SELVAGE_INLINE Float8 operator-(Float8 a, Float8 b) {
 SELVAGE_INLINE Float8 operator*(Float8 a, Float8 b) {
   return {{a.low() * b.low(), a.high() * b.high()}};
 }
+SELVAGE_INLINE Float8 operator/(Float8 a, Float8 b) {
+  return {{a.low() / b.low(), a.high() / b.high()}};
+}
 SELVAGE_INLINE Float8 min(Float8 a, Float8 b) {
   return {{min(a.low(), b.low()), min(a.high(), b.high())}};
 }
@@ -302,6 +327,19 @@ SELVAGE_INLINE unsigned less_bits(Float8 a, Float8 b) {
 SELVAGE_INLINE unsigned equal_bits(Float8 a, Float8 b) {
   return equal_bits(a.low(), b.low()) | (equal_bits(a.high(), b.high()) << 4);
 }
+// Each in both halves as for four lanes.
+SELVAGE_INLINE Float8 interleave_low(Float8 a, Float8 b) {
+  return {{interleave_low(a.low(), b.low()), interleave_low(a.high(), b.high())}};
+}
+SELVAGE_INLINE Float8 interleave_high(Float8 a, Float8 b) {
+  return {{interleave_high(a.low(), b.low()), interleave_high(a.high(), b.high())}};
+}
+SELVAGE_INLINE Float8 join_low(Float8 a, Float8 b) {
+  return {{join_low(a.low(), b.low()), join_low(a.high(), b.high())}};
+}
+SELVAGE_INLINE Float8 join_high(Float8 a, Float8 b) {
+  return {{join_high(a.low(), b.low()), join_high(a.high(), b.high())}};
+}
 
 #endif
 
@@ -319,6 +357,21 @@ SELVAGE_INLINE Float8 keep_first(Float8 a, int count) {
   return and_bits(a, Float8::load(reinterpret_cast<const float*>(kOnesThenZeros + 8 - count)));
 }
 
+/// Keeps the lanes of a mask of eight, and clears the others.
+SELVAGE_INLINE Float8 keep_lanes(Float8 a, unsigned mask) {
+#if defined(SELVAGE_SIMD_AVX2) && defined(__AVX512VL__)
+  return {_mm256_maskz_mov_ps(static_cast<__mmask8>(mask), a.v)};
+#elif defined(SELVAGE_SIMD_AVX2)
+  const __m256i lanes = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+  const __m256i kept = _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(static_cast<int>(mask)), lanes), lanes);
+  return {_mm256_and_ps(a.v, _mm256_castsi256_ps(kept))};
+#else
+  alignas(32) float kept[8];
+  for (unsigned i = 0; i < 8; ++i) kept[i] = std::bit_cast<float>(0u - ((mask >> i) & 1u));
+  return and_bits(a, Float8::load(kept));
+#endif
+}
+
 /// Smallest lane of each: (min a, min b, min c, min d).
 SELVAGE_INLINE Float4 reduce_min(Float4 a, Float4 b, Float4 c, Float4 d) {
   const Float4 ab = min(interleave_low(a, b), interleave_high(a, b));
@@ -333,10 +386,11 @@ SELVAGE_INLINE Float4 reduce_max(Float4 a, Float4 b, Float4 c, Float4 d) {
   return max(join_low(ab, cd), join_high(ab, cd));
 }
 
-/// Transposes four rows in place.
-SELVAGE_INLINE void transpose(Float4& a, Float4& b, Float4& c, Float4& d) {
-  const Float4 ab_low = interleave_low(a, b), ab_high = interleave_high(a, b);
-  const Float4 cd_low = interleave_low(c, d), cd_high = interleave_high(c, d);
+/// Transposes four rows in place; of eight lanes each half for itself.
+template <typename Row>
+SELVAGE_INLINE void transpose(Row& a, Row& b, Row& c, Row& d) {
+  const Row ab_low = interleave_low(a, b), ab_high = interleave_high(a, b);
+  const Row cd_low = interleave_low(c, d), cd_high = interleave_high(c, d);
   a = join_low(ab_low, cd_low);
   b = join_high(ab_low, cd_low);
   c = join_low(ab_high, cd_high);

@@ -100,6 +100,14 @@ bool check_rearrangements(const float* a, const float* b) {
   }
   for (int i = 0; i < 4; ++i)
     for (int k = 0; k < 4; ++k) good = good && columns[k][i] == ((i < 2 ? a : b) + 4 * (i % 2))[k];
+  // Of eight lanes each half is transposed for itself.
+  Float8 wide[4] = {Float8::load(a), Float8::load(b), Float8::load(a), Float8::load(b)};
+  transpose(wide[0], wide[1], wide[2], wide[3]);
+  for (int i = 0; i < 4; ++i) {
+    float row[8];
+    wide[i].store(row);
+    for (int k = 0; k < 8; ++k) good = good && row[k] == (k % 2 == 0 ? a : b)[k / 4 * 4 + i];
+  }
   return good;
 }
 
@@ -188,6 +196,8 @@ bool check_masks_of_lanes(const float* a) {
     for (int i = 0; i < 8; ++i) good = good && out[i] == (i < count ? a[i] : 0.0f);
   }
   for (unsigned mask = 0; mask < 256; ++mask) {
+    keep_lanes(Float8::load(a), mask).store(out);
+    for (unsigned i = 0; i < 8; ++i) good = good && out[i] == ((mask >> i & 1u) != 0 ? a[i] : 0.0f);
     int bits = 0;
     for (unsigned i = 0; i < 8; ++i) bits += static_cast<int>((mask >> i) & 1u);
     good =
@@ -212,6 +222,8 @@ bool check_simd() {
              c, d, [](Float8 x, Float8 y) { return x - y; }, [](float x, float y) { return x - y; }) &&
          check_lanes(
              c, d, [](Float8 x, Float8 y) { return x * y; }, [](float x, float y) { return x * y; }) &&
+         check_lanes(
+             c, d, [](Float8 x, Float8 y) { return x / y; }, [](float x, float y) { return x / y; }) &&
          check_lanes(
              a, b, [](Float8 x, Float8 y) { return min(x, y); }, [](float x, float y) { return x < y ? x : y; }) &&
          check_lanes(
