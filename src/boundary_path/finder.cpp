@@ -2,6 +2,7 @@
 #include "boundary_path/containment.h"
 #include "boundary_path/path_kernel.h"
 #include "boundary_path/pose.h"
+#include "boundary_path/vertex_proof.h"
 #include "selvage/core/error.h"
 #include "selvage/core/isa.h"
 #include "selvage/core/parallel.h"
@@ -42,35 +43,25 @@ struct BoundaryPathFinder<D>::State {
   PathOptions options;
   PathTopology<D> topology;
   Pose<D> pose;
-  Bvh faces, elements;
-  std::vector<ConeNode> cones;      ///< on the nodes of `faces`
   std::vector<Index> element_rank;  ///< place of each element in the order of the leaves: near in rank, near in space
   ContainmentSearch<D> containment;
 
   State(const SimplexMesh<D>& m, std::span<const Vec<D>> positions, PathOptions o)
-      : mesh(m), options(o), topology(m), pose(m, topology), containment(m, pose, elements) {
+      : mesh(m), options(o), topology(m), pose(m, topology), containment(m, pose, pose.elements()) {
     rebuild(positions);
   }
 
   void update(std::span<const Vec<D>> positions) {
-    pose.set(positions);
-    faces.refit(pose.face_boxes());
-    elements.refit(pose.element_boxes());
-    if (faces.quality_loss() > Bvh::kRebuildAbove) faces = Bvh(pose.face_boxes());
-    fit_cones(faces, mesh, pose.normal_cones(), cones);
-    if (elements.quality_loss() > Bvh::kRebuildAbove) build_elements();
+    if (pose.update(positions)) list_orders();
   }
 
   void rebuild(std::span<const Vec<D>> positions) {
-    pose.set(positions);
-    faces = Bvh(pose.face_boxes());
-    fit_cones(faces, mesh, pose.normal_cones(), cones);
-    build_elements();
+    pose.rebuild(positions);
+    list_orders();
   }
 
-  void build_elements() {
-    elements = Bvh(pose.element_boxes());
-    const std::vector<Index> order = elements.leaf_order();
+  void list_orders() {
+    const std::vector<Index> order = pose.elements().leaf_order();
     element_rank.resize(order.size());
     for (std::size_t i = 0; i < order.size(); ++i) element_rank[order[i]] = static_cast<Index>(i);
     containment.rebuild();
@@ -84,8 +75,8 @@ struct BoundaryPathFinder<D>::State {
             mesh.boundary_owners().data(),
             mesh.boundary_neighbours().data(),
             &mesh,
-            faces.nodes(),
-            cones.data(),
+            pose.faces().nodes(),
+            pose.cones().data(),
             pose.frame(),
             topology.component_of.data(),
             pose.component_states().data(),
@@ -142,10 +133,11 @@ Vec<D> BoundaryPathFinder<D>::State::normal_at(Index face, const PathResult<D>& 
   double total = 0;
   visit_feature<D>(mesh.boundary_faces().data(), mesh.boundary_neighbours().data(), face, result.target_vertices,
                    result.target_count, [&](Index other) {
-                     normal += pose.measured_normal(other);
-                     total += pose.measured_normal(other).norm();
+                     const Vec<D> part = face_normal(pose.positions(), mesh.boundary_faces()[other]);
+                     normal += part;
+                     total += part.norm();
                    });
-  if (!(normal.norm() > 1e-12 * total)) normal = pose.measured_normal(face);
+  if (!(normal.norm() > 1e-12 * total)) normal = face_normal(pose.positions(), mesh.boundary_faces()[face]);
   const double length = length_of(normal);
   return length > 0 ? Vec<D>(normal / length) : normal;
 }

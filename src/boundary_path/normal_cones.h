@@ -1,21 +1,19 @@
 #pragma once
 
 #include "selvage/bvh/bvh.h"
-#include "selvage/mesh/simplex_mesh.h"
 
 namespace selvage {
 
-/// All unit vectors within an angle of an axis.
-struct NormalCone {
-  std::array<float, 3> axis{0, 0, 0};
-  float cosine = -1;  ///< of the half angle, rounded so that the cone grows; -1: all directions
+/// An axis-aligned box of unit vectors: merging two loses nothing, unlike with cones. As Float8 loads it, with the
+/// upper corner negated, so that one minimum merges two boxes.
+struct alignas(32) NormalBox {
+  std::array<float, 4> lower;
+  std::array<float, 4> negated_upper;
 
-  static NormalCone everything() { return {}; }
-  bool is_bounded() const { return cosine > -1; }
+  /// All directions; so is every box merged with it.
+  static constexpr NormalBox everything() { return {{-2, -2, -2, 0}, {-2, -2, -2, 0}}; }
+  static constexpr NormalBox nothing() { return {{2, 2, 2, 0}, {2, 2, 2, 0}}; }
 };
-
-/// Smallest cone that this simple rule finds around others: its axis is their average.
-NormalCone merge_cones(std::span<const NormalCone> cones);
 
 /// For each child of a node of the hierarchy over boundary faces a cone that contains the outward normals of all
 /// boundary faces at the vertices of the faces below the child.
@@ -33,15 +31,5 @@ struct alignas(32) ConeNode {
   float sine[BvhNode::kWidth];
   unsigned two_sided;  ///< children whose cones are too wide to tell inside from outside
 };
-
-/// @param vertex_cones  per vertex the cone of its boundary faces' normals; unbounded where nothing may be culled
-template <int D>
-void fit_cones(const Bvh& faces, const SimplexMesh<D>& mesh, std::span<const NormalCone> vertex_cones,
-               std::vector<ConeNode>& nodes);
-
-extern template void fit_cones<2>(const Bvh&, const SimplexMesh<2>&, std::span<const NormalCone>,
-                                  std::vector<ConeNode>&);
-extern template void fit_cones<3>(const Bvh&, const SimplexMesh<3>&, std::span<const NormalCone>,
-                                  std::vector<ConeNode>&);
 
 }  // namespace selvage

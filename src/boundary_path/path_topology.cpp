@@ -3,6 +3,7 @@
 #include "selvage/core/parallel.h"
 
 #include <algorithm>
+#include <atomic>
 
 namespace selvage {
 
@@ -84,7 +85,18 @@ void collect_boundary_link(const SimplexMesh<D>& mesh, Index face, int corner, s
   }
 }
 
-/// Lists fans piece by piece in parallel, in order: `collect(item, add)` calls add(ridge, element, link).
+template <int D>
+void append_fans(typename PathTopology<D>::Fans& all, typename PathTopology<D>::Fans& piece) {
+  for (auto& fan : piece.fans) {
+    fan.first_link += std::ssize(all.links);
+    all.fans.push_back(fan);
+  }
+  all.links.insert(all.links.end(), piece.links.begin(), piece.links.end());
+  piece = {};
+}
+
+/// Lists fans piece by piece in parallel, in order: `collect(item, link, add)` calls add(ridge, element). Without the
+/// sentinel.
 template <int D, typename Collect>
 typename PathTopology<D>::Fans collect_fans(std::int64_t items, Collect&& collect) {
   using Fans = typename PathTopology<D>::Fans;
@@ -100,27 +112,23 @@ typename PathTopology<D>::Fans collect_fans(std::int64_t items, Collect&& collec
       collect(static_cast<Index>(i), link, add);
   });
   Fans all;
-  for (Fans& piece : pieces) {
-    for (auto& fan : piece.fans) {
-      fan.first_link += std::ssize(all.links);
-      all.fans.push_back(fan);
-    }
-    all.links.insert(all.links.end(), piece.links.begin(), piece.links.end());
-    piece = {};
-  }
-  all.fans.push_back({{}, kNone, std::ssize(all.links)});
+  for (Fans& piece : pieces) append_fans<D>(all, piece);
   return all;
 }
 
+/// Those with all vertices on the boundary (`spanning`), or the others.
 template <int D>
-typename PathTopology<D>::Fans collect_interior_fans(const SimplexMesh<D>& mesh) {
+typename PathTopology<D>::Fans collect_interior_fans(const SimplexMesh<D>& mesh,
+                                                     std::span<const std::uint8_t> is_on_boundary, bool spanning) {
   constexpr std::size_t kFewest = 5;
   return collect_fans<D>(mesh.element_count(), [&](Index e, std::vector<Index>& link, auto&& add) {
     const auto& v = mesh.elements()[e];
     for (const auto& r : ridges_of_element<D>()) {
-      if (!collect_interior_link(mesh, e, v[r[D - 1]], v[r[D]], link) || link.size() < kFewest) continue;
       VertexTuple<D - 1> ridge;
       for (int i = 0; i < D - 1; ++i) ridge[i] = v[r[i]];
+      if (std::all_of(ridge.begin(), ridge.end(), [&](Index w) { return is_on_boundary[w] != 0; }) != spanning)
+        continue;
+      if (!collect_interior_link(mesh, e, v[r[D - 1]], v[r[D]], link) || link.size() < kFewest) continue;
       add(ridge, e);
     }
   });
@@ -181,6 +189,36 @@ std::vector<std::uint8_t> find_split_vertices(const SimplexMesh<D>& mesh) {
   return is_split;
 }
 
+/// Whether two lists of the same vertices differ by an odd permutation.
+bool is_odd(const VertexTuple<2>& a, const VertexTuple<2>& b) {
+  return a[0] != b[0];
+}
+bool is_odd(const VertexTuple<3>& a, const VertexTuple<3>& b) {
+  const auto first = std::find(b.begin(), b.end(), a[0]) - b.begin();
+  return b[(first + 1) % 3] != a[1];
+}
+
+template <int D>
+bool has_one_orientation(const SimplexMesh<D>& mesh) {
+  std::atomic<bool> good = true;
+  parallel_for(mesh.element_count(), 4096, [&](std::int64_t e) {
+    for (int i = 0; i <= D; ++i) {
+      const HalfFace across{mesh.neighbours()[e][i]};
+      if (across.exists() &&
+          !is_odd(mesh.face_of(mesh.elements()[e], i), mesh.face_of(mesh.elements()[across.element()], across.face())))
+        good.store(false, std::memory_order_relaxed);
+    }
+  });
+  return good;
+}
+
+template <int D>
+std::vector<std::uint8_t> find_boundary(const SimplexMesh<D>& mesh) {
+  std::vector<std::uint8_t> is_on_boundary(mesh.vertex_count(), 0);
+  for (Index v : mesh.boundary_vertices()) is_on_boundary[v] = 1;
+  return is_on_boundary;
+}
+
 }  // namespace
 
 template <int D>
@@ -189,8 +227,18 @@ PathTopology<D>::PathTopology(const SimplexMesh<D>& mesh)
       component_count(*std::max_element(component_of.begin(), component_of.end()) + 1),
       hints(nearest_boundary_faces(mesh)),
       is_split(find_split_vertices(mesh)),
-      interior_fans(collect_interior_fans(mesh)),
-      boundary_fans(collect_boundary_fans(mesh)) {}
+      is_on_boundary(find_boundary(mesh)),
+      is_oriented(has_one_orientation(mesh)),
+      interior_fans(collect_interior_fans(mesh, is_on_boundary, true)),
+      boundary_fans(collect_boundary_fans(mesh)),
+      rims(mesh) {
+  for (Index v = 0; v < mesh.vertex_count(); ++v)
+    inner_vertex_count += is_on_boundary[v] == 0 && !mesh.vertex_elements(v).empty();
+  spanning_count = std::ssize(interior_fans.fans);
+  Fans others = collect_interior_fans(mesh, is_on_boundary, false);
+  append_fans<D>(interior_fans, others);
+  for (Fans* fans : {&interior_fans, &boundary_fans}) fans->fans.push_back({{}, kNone, std::ssize(fans->links)});
+}
 
 template struct PathTopology<2>;
 template struct PathTopology<3>;

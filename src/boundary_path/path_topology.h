@@ -1,5 +1,6 @@
 #pragma once
 
+#include "boundary_path/rims.h"
 #include "selvage/mesh/simplex_mesh.h"
 
 namespace selvage {
@@ -19,6 +20,12 @@ struct PathTopology {
   /// that several corners of the material meet there.
   std::vector<std::uint8_t> is_split;
 
+  std::vector<std::uint8_t> is_on_boundary;  ///< per vertex
+  Index inner_vertex_count = 0;              ///< vertices of elements that are not on the boundary
+
+  /// Whether any two neighbours list their common face in opposite senses, so that positive ones lie on both its sides.
+  bool is_oriented = false;
+
   /// Ridges (edges in 3D, vertices in 2D), each with the link of vertices around it.
   struct Fans {
     struct Fan {
@@ -35,11 +42,15 @@ struct PathTopology {
     }
   };
   /// Interior ridges around which positive elements may turn twice: with fewer than five elements, each less than half
-  /// a turn, they cannot. The link is closed.
+  /// a turn, they cannot. The link is closed. First come those, `spanning_count` of them, that have all their vertices
+  /// on the boundary.
   Fans interior_fans;
+  std::int64_t spanning_count = 0;
   /// Boundary ridges around which positive elements may turn by more than 2 pi: three at least. The link goes from one
   /// boundary face to the other.
   Fans boundary_fans;
+
+  Rims rims;
 };
 
 extern template struct PathTopology<2>;

@@ -2,18 +2,29 @@
 
 #include "boundary_path/path_scene.h"
 #include "boundary_path/path_topology.h"
+#include "boundary_path/pose_kernel.h"
+#include "selvage/geometry/predicates.h"
+#include "selvage/mesh/simplex_mesh.h"
 
 namespace selvage {
 
-/// A pose of a mesh: scaled positions, and what is wrong with it.
+/// A pose of a mesh: scaled positions, the hierarchies over them, and what is wrong with it.
+///
+/// A new pose is examined while the hierarchies are refitted: most of it in single precision with a bound of all
+/// rounding, eight elements, faces or vertices at a time; what that leaves open is decided one by one, exactly.
 template <int D>
 class Pose {
  public:
-  Pose(const SimplexMesh<D>& mesh, const PathTopology<D>& topology) : mesh_(mesh), topology_(topology) {}
+  /// Without positions: call rebuild() first.
+  Pose(const SimplexMesh<D>& mesh, const PathTopology<D>& topology);
 
-  /// Takes new positions and examines them. O(n), parallel.
+  /// Takes new positions, builds the hierarchies anew and examines the pose. O(n log n), parallel.
   /// @throws Error  when the number of positions is not that of the vertices, or one is not finite
-  void set(std::span<const Vec<D>> positions);
+  void rebuild(std::span<const Vec<D>> positions);
+
+  /// The same, but refits the hierarchies, and rebuilds only one whose quality has become poor. O(n), parallel.
+  /// @return  whether the hierarchy over the elements is a new one
+  bool update(std::span<const Vec<D>> positions);
 
   std::span<const Vec<D>> positions() const { return positions_; }
   /// positions() are the given ones times 2^-exponent(), so that the largest coordinate is about 1.
@@ -23,6 +34,12 @@ class Pose {
   /// positions() in the frame, each coordinate to the nearest float (the rest 0), and a bound of the error.
   std::span<const std::array<float, 4>> rounded_positions() const { return rounded_; }
   float rounding() const { return rounding_; }
+
+  const Bvh& elements() const { return elements_; }
+  const Bvh& faces() const { return faces_; }
+  /// On the nodes of faces().
+  std::span<const ConeNode> cones() const { return cones_; }
+
   const PoseDefects& defects() const { return defects_; }
   std::span<const ComponentState> component_states() const { return component_states_; }
 
@@ -30,35 +47,38 @@ class Pose {
   std::span<const Defect> defect_places() const { return defect_places_; }
   const Bvh& defect_hierarchy() const { return defect_hierarchy_; }
 
-  /// Boxes of all elements and of all boundary faces in the frame.
-  std::span<const Box> element_boxes() const { return element_boxes_; }
-  std::span<const Box> face_boxes() const { return face_boxes_; }
-
   /// Per vertex: 1 when its boundary faces are proven to be locally injective, so that candidates there may be culled.
   std::span<const std::uint8_t> cullable() const { return cullable_; }
-
-  /// Per vertex the cone of its boundary faces' normals; unbounded where it is not cullable.
-  std::span<const NormalCone> normal_cones() const { return normal_cones_; }
 
   /// Per boundary face: 1 when its owner is inverted or flat.
   std::span<const std::uint8_t> inverted_owners() const { return inverted_owners_; }
 
-  int orientation_of(Index element) const;
-
-  /// Unit outward normal of a boundary face times its length, or twice its area in space.
-  Vec<D> measured_normal(Index face) const { return face_normals_[face] * face_measures_[face]; }
+  int orientation_of(Index element) const { return orientation(corners_of(element)); }
 
  private:
   void place(std::span<const Vec<D>> positions);
+  RoundedPositions rounded() const { return {rounded_.data(), rounding_}; }
+  void build_elements();
+  void build_faces();
+  void fit_faces();
+  std::array<Vec<D>, D + 1> corners_of(Index element) const;
+
+  void examine();
   void examine_elements();
-  void examine_faces();
+  void examine_doubtful(Index element);
+  bool mark_rays(Index element);
+  void add_ray(Index vertex, int backward, std::uint32_t elements);
+  void count_rays();
+  void prove_boundary_vertices();
+  void settle_vertices();
+
   void find_overwound_interior_ridges();
   void find_overwound_boundary_ridges();
+  bool has_settled(const VertexTuple<D - 1>& ridge) const;
+  bool is_overwound_inside(std::int64_t fan) const;
   void list_defects();
-  bool turns_once(const VertexTuple<D - 1>& ridge, std::span<const Index> open_link) const;
-  Box box_of(const VertexTuple<D - 1>& ridge) const;
-  void prove_boundary_vertices();
-  bool is_boundary_vertex_injective(Index v, NormalCone& cone) const;
+  template <std::size_t N>
+  Box box_of(const std::array<Index, N>& vertices) const;
 
   const SimplexMesh<D>& mesh_;
   const PathTopology<D>& topology_;
@@ -67,26 +87,27 @@ class Pose {
   float rounding_ = 0;
   int exponent_ = 0;
   BoxFrame<D> frame_;
-  std::vector<Box> element_boxes_, face_boxes_;
-  std::vector<Vec<D>> face_normals_;   ///< unit, outward; zero on a flat face
-  std::vector<double> face_measures_;  ///< length of the normal before: twice the area, or the length in the plane
+
+  Bvh elements_, faces_;
+  std::vector<LeafNode<D + 1>> element_leaves_;
+  std::vector<LeafNode<D>> face_leaves_;
+
+  std::vector<std::uint32_t> inner_rays_;  ///< see ElementTask
+  std::int64_t inner_ray_count_ = 0;
+  std::vector<std::uint8_t> ray_marks_;    ///< two per vertex, see ElementTask
+  std::vector<std::uint32_t> ray_counts_;  ///< per inner vertex; complete only after count_rays()
+  std::vector<std::uint8_t> cullable_, is_settled_;
+  bool all_inner_settled_ = false;
+  std::vector<NormalBox> vertex_normals_;  ///< of boundary vertices; unbounded where not cullable
+  std::vector<NormalBox> node_normals_;    ///< of the faces below each node
+  std::vector<ConeNode> cones_;
+
   PoseDefects defects_;
   std::vector<ComponentState> component_states_;
   std::vector<Defect> defect_places_;
   Bvh defect_hierarchy_;
-  std::vector<std::uint8_t> cullable_;
-  std::vector<NormalCone> normal_cones_;
   std::vector<std::uint8_t> inverted_owners_;
 };
-
-template <>
-bool Pose<2>::turns_once(const VertexTuple<1>& ridge, std::span<const Index> open_link) const;
-template <>
-bool Pose<3>::turns_once(const VertexTuple<2>& ridge, std::span<const Index> open_link) const;
-template <>
-bool Pose<2>::is_boundary_vertex_injective(Index v, NormalCone& cone) const;
-template <>
-bool Pose<3>::is_boundary_vertex_injective(Index v, NormalCone& cone) const;
 
 extern template class Pose<2>;
 extern template class Pose<3>;
