@@ -17,18 +17,21 @@ namespace {
 
 struct CheckOptions {
   CommonOptions common;
-  std::string mesh, method = "auto", vtu;
+  std::string mesh, end_mesh, method = "auto", vtu;
   bool adjacent = false;
 };
 
 constexpr const char* kExample =
     "  selvage check shirt.obj\n"
     "  selvage check octopus.t --adjacent --json pairs.json --vtu octopus.vtu\n"
+    "  selvage check frame1.ply --to frame2.ply\n"
     "Exit status 1: there are collisions. In JSON, `triangle_pairs` are pairs of numbers of triangles, from 0, in the\n"
     "order of the file; of a tetrahedral mesh, in the order of `triangles`, which lists their vertices. `contacts` "
     "says\n"
     "of each pair whether it is crossing, touching or a coplanar overlap. The .vtu file holds the surface with the\n"
-    "number of each triangle's pairs in `collisions`.";
+    "number of each triangle's pairs in `collisions`.\n"
+    "With --to, `vertex_face` are pairs of a vertex and a triangle, `edge_edge` the vertices of two edges, and\n"
+    "`free_step` is the largest fraction of the step without collisions.";
 
 /// The triangles that are checked: a surface's own, or the boundary of a tetrahedral mesh.
 std::vector<VertexTuple<3>> surface_of(const MeshFile& file) {
@@ -37,24 +40,50 @@ std::vector<VertexTuple<3>> surface_of(const MeshFile& file) {
   return {mesh.boundary_faces().begin(), mesh.boundary_faces().end()};
 }
 
-CollisionReport find_collisions(const CheckOptions& options, const MeshFile& file, Stopwatch& watch) {
+/// The positions at the end of the step: of a mesh that is the same but for them.
+std::vector<Vec3> read_end(const CheckOptions& options, const MeshFile& start) {
+  MeshFile end = read_mesh(options.end_mesh);
+  if (end.positions.size() != start.positions.size())
+    throw Error(
+        options.end_mesh,
+        fmt::format("has {} vertices, and {} has {}", end.positions.size(), options.mesh, start.positions.size()),
+        "give two poses of one mesh");
+  if (end.triangles != start.triangles || end.tetrahedra != start.tetrahedra)
+    throw Error(options.end_mesh, fmt::format("has other elements than {}", options.mesh),
+                "give two poses of one mesh");
+  return std::move(end.positions);
+}
+
+CollisionReport find_collisions(const CheckOptions& options, const MeshFile& file, std::span<const Vec3> end,
+                                Stopwatch& watch) {
   CollisionReport report;
   report.mesh = options.mesh;
+  report.end_mesh = options.end_mesh;
   report.method = options.method;
   report.solid = !file.tetrahedra.empty();
   report.positions = file.positions;
   report.triangles = surface_of(file);
   const TriangleMesh mesh(static_cast<Index>(file.positions.size()), report.triangles);
+  report.edges.assign(mesh.edges().begin(), mesh.edges().end());
   watch.lap("topology");
   SelfCollisionOptions asked;
   asked.method = culling_method(options.method);
   asked.include_adjacent = options.adjacent;
-  const SelfCollisionFinder finder(mesh, file.positions, std::move(asked));
-  watch.lap("hierarchy");
   ProgressBar bar("collisions", options.common.quiet);
   bar.show(0);
-  report.pairs = finder.find_pairs(&report.counters);
+  if (options.end_mesh.empty()) {
+    const SelfCollisionFinder finder(mesh, file.positions, std::move(asked));
+    watch.lap("hierarchy");
+    report.pairs = finder.find_pairs(&report.counters);
+    watch.lap("pairs");
+    return report;
+  }
+  const ContinuousCollisionFinder finder(mesh, file.positions, end, std::move(asked));
+  watch.lap("hierarchy");
+  report.moving_pairs = finder.find_pairs(&report.moving_counters);
   watch.lap("pairs");
+  report.free_step = finder.find_free_step(report.moving_pairs);
+  watch.lap("impact");
   return report;
 }
 
@@ -62,20 +91,26 @@ int run_check(const CheckOptions& options) {
   Stopwatch watch;
   culling_method(options.method);
   OutputFiles outputs;
-  outputs.expect(options.common.json, files_of_mesh(options.mesh));
-  outputs.expect(options.vtu, files_of_mesh(options.mesh));
+  std::vector<std::filesystem::path> inputs = files_of_mesh(options.mesh);
+  if (!options.end_mesh.empty())
+    for (const auto& path : files_of_mesh(options.end_mesh)) inputs.push_back(path);
+  outputs.expect(options.common.json, inputs);
+  outputs.expect(options.vtu, inputs);
+  if (options.adjacent && !options.end_mesh.empty())
+    throw Error("--adjacent", "says nothing about a step", "leave it out, or --to");
   if (!options.vtu.empty() && std::filesystem::path(options.vtu).extension() != ".vtu")
     throw Error(options.vtu, "--vtu writes .vtu files only", "give it that extension");
   const MeshFile file = read_mesh(options.mesh);
+  const std::vector<Vec3> end = options.end_mesh.empty() ? std::vector<Vec3>() : read_end(options, file);
   watch.lap("read");
-  const CollisionReport report = find_collisions(options, file, watch);
+  const CollisionReport report = find_collisions(options, file, end, watch);
   if (!options.common.json.empty()) outputs.write_text(options.common.json, print_json(report, watch));
   if (!options.vtu.empty())
     outputs.write_file(options.vtu, [&](const auto& path) { write_vtu(path, mark_collisions(report)); });
   outputs.commit();
   watch.lap("write");
   if (!options.common.quiet && !outputs.uses_standard_output()) print_summary(report, watch);
-  return report.pairs.empty() ? kDone : kCollisions;
+  return report.is_clean() ? kDone : kCollisions;
 }
 
 }  // namespace

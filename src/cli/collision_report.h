@@ -2,20 +2,28 @@
 
 #include "cli/console.h"
 #include "selvage/mesh/mesh_file.h"
-#include "selvage/self_collision/self_collision.h"
+#include "selvage/self_collision/continuous_collision.h"
 
 #include <string>
 
 namespace selvage::cli {
 
-/// What `check` found on a surface.
+/// What `check` found on a surface, in one pose or during a step.
 struct CollisionReport {
-  std::string mesh, method;
-  bool solid = false;  ///< the surface is the boundary of a tetrahedral mesh
-  std::vector<Vec3> positions;
+  std::string mesh, end_mesh, method;  ///< end_mesh is empty for one pose
+  bool solid = false;                  ///< the surface is the boundary of a tetrahedral mesh
+  std::vector<Vec3> positions;         ///< at the start
   std::vector<VertexTuple<3>> triangles;
-  std::vector<TrianglePair> pairs;
+  std::vector<VertexTuple<2>> edges;
+
+  std::vector<TrianglePair> pairs;  ///< in one pose
   SelfCollisionCounters counters;
+
+  ContinuousPairs moving_pairs;  ///< during a step
+  ContinuousCounters moving_counters;
+  double free_step = 1;
+
+  bool is_clean() const { return pairs.empty() && moving_pairs.empty(); }
 };
 
 /// The result as JSON (see the command's help).

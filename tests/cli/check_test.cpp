@@ -97,6 +97,29 @@ TEST_F(CheckTest, NeitherThreadsNorInstructionsNorMethodChangeTheAnswer) {
   }
 }
 
+TEST_F(CheckTest, StepBetweenTwoPoses) {
+  const std::string faces = "3 0 1 2\n3 3 4 5\n";
+  write_text(file("start.off"), "OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n1 1 1\n1 1 2\n2 1 2\n" + faces);
+  write_text(file("end.off"), "OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n1 1 -1\n1 1 0\n2 1 0\n" + faces);
+  const json result = check("start.off --to end.off", 1);
+  EXPECT_EQ(result["schema"], 1);
+  EXPECT_EQ(result["kind"], "continuous");
+  EXPECT_EQ(result["to"], "end.off");
+  EXPECT_EQ(result["vertex_face"], json::parse("[[3,0],[4,0],[5,0]]"));
+  EXPECT_EQ(result["edge_edge"], json::array());
+  EXPECT_NEAR(result["free_step"].get<double>(), 0.5, 1e-6);
+  EXPECT_FALSE(result.contains("triangle_pairs"));
+  EXPECT_EQ(check("start.off --to start.off", 0)["free_step"], 1);
+  const std::string text = run("check start.off --to end.off --vtu step.vtu").out;
+  EXPECT_NE(text.find("3 of a vertex and a face"), std::string::npos) << text;
+  EXPECT_NE(read_text(file("step.vtu")).find("PointData"), std::string::npos);
+  write_text(file("other.off"), "OFF\n6 1 0\n0 0 0\n4 0 0\n0 4 0\n1 1 -1\n1 1 0\n2 1 0\n3 0 1 2\n");
+  expect_refused("check start.off --to other.off", 2, {"other.off", "elements"});
+  write_text(file("fewer.off"), "OFF\n3 1 0\n0 0 0\n4 0 0\n0 4 0\n3 0 1 2\n");
+  expect_refused("check start.off --to fewer.off", 2, {"fewer.off", "3 vertices"});
+  expect_refused("check start.off --to end.off --adjacent", 2, {"--adjacent"});
+}
+
 TEST_F(CheckTest, VtuMarksTheTriangles) {
   write_four();
   EXPECT_EQ(run("check four.off -q --vtu four.vtu").status, 1);
