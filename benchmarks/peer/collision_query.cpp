@@ -1,6 +1,6 @@
 #include "peer/collision_query.h"
 
-#include "selvage/self_collision/self_collision.h"
+#include "selvage/self_collision/continuous_collision.h"
 
 #include <algorithm>
 
@@ -34,6 +34,34 @@ class DiscreteQuery : public CollisionQuery {
   SelfCollisionFinder finder_;
 };
 
+class ContinuousQuery : public CollisionQuery {
+ public:
+  ContinuousQuery(const CollisionSubject& subject, SelfCollisionOptions options)
+      : subject_(subject), finder_(subject.mesh(), subject.frame(0), subject.frame(1), std::move(options)) {}
+
+  void run(int frame) override {
+    finder_.update(subject_.frame(frame), subject_.frame(frame + 1));
+    finder_.find_pairs();
+  }
+
+  FoundPairs find(int frame, CollisionWork& work) override {
+    finder_.update(subject_.frame(frame), subject_.frame(frame + 1));
+    ContinuousCounters counters;
+    const ContinuousPairs pairs = finder_.find_pairs(&counters);
+    FoundPairs found;
+    for (const VertexFacePair& p : pairs.vertex_face) found.vertex_face.emplace_back(p.vertex, p.face);
+    for (const EdgeEdgePair& p : pairs.edge_edge) found.edge_edge.emplace_back(p.first, p.second);
+    work.node_pairs += counters.node_pairs;
+    work.box_pairs += counters.box_pairs;
+    work.exact_tests += counters.exact_tests;
+    return found;
+  }
+
+ private:
+  const CollisionSubject& subject_;
+  ContinuousCollisionFinder finder_;
+};
+
 std::int64_t count_difference(const std::vector<IndexPair>& pairs, const std::vector<IndexPair>& others) {
   std::vector<IndexPair> missing;
   std::set_difference(pairs.begin(), pairs.end(), others.begin(), others.end(), std::back_inserter(missing));
@@ -43,22 +71,24 @@ std::int64_t count_difference(const std::vector<IndexPair>& pairs, const std::ve
 }  // namespace
 
 std::int64_t FoundPairs::count() const {
-  return std::ssize(triangles);
+  return std::ssize(triangles) + std::ssize(vertex_face) + std::ssize(edge_edge);
 }
 
 std::int64_t FoundPairs::count_missing_in(const FoundPairs& others) const {
-  return count_difference(triangles, others.triangles);
+  return count_difference(triangles, others.triangles) + count_difference(vertex_face, others.vertex_face) +
+         count_difference(edge_edge, others.edge_edge);
 }
 
-std::unique_ptr<CollisionQuery> CollisionQuery::make(QueryKind, const CollisionSubject& subject,
+std::unique_ptr<CollisionQuery> CollisionQuery::make(QueryKind kind, const CollisionSubject& subject,
                                                      const std::string& method) {
   SelfCollisionOptions options;
   options.method = culling_method(method);
+  if (kind == QueryKind::kContinuous) return std::make_unique<ContinuousQuery>(subject, std::move(options));
   return std::make_unique<DiscreteQuery>(subject, std::move(options));
 }
 
-int query_count(QueryKind, const CollisionSubject& subject) {
-  return subject.frame_count();
+int query_count(QueryKind kind, const CollisionSubject& subject) {
+  return kind == QueryKind::kContinuous ? subject.frame_count() - 1 : subject.frame_count();
 }
 
 }  // namespace selvage::bench

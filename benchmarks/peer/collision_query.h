@@ -7,11 +7,12 @@
 
 namespace selvage::bench {
 
-enum class QueryKind { kDiscrete };
+enum class QueryKind { kDiscrete, kContinuous };
 
 /// What meets, as numbers; each list sorted. A query fills the lists of its kind.
 struct FoundPairs {
   std::vector<IndexPair> triangles;
+  std::vector<IndexPair> vertex_face, edge_edge;  ///< edges by their numbers
 
   std::int64_t count() const;
 
@@ -38,7 +39,7 @@ class CollisionQuery {
   virtual FoundPairs find(int frame, CollisionWork& work) = 0;
 };
 
-/// How many frames a query of that kind has.
+/// How many frames a query of that kind has: poses, or steps from one pose to the next.
 int query_count(QueryKind kind, const CollisionSubject& subject);
 
 }  // namespace selvage::bench

@@ -25,24 +25,24 @@ void CollisionReport::say(const std::string& line) const {
 }
 
 void CollisionReport::print_count_header() const {
-  fmt::print(table_, "  {:<22}{:>10}{:>9}{:>10} | {:>11}{:>12}{:>10}\n", "sums over the frames", "pairs", "missed",
-             "invented", "node pairs", "box pairs", "exact");
+  fmt::print(table_, "  {:<28}{:>9}{:>9}{:>9}{:>9}{:>10} | {:>11}{:>12}{:>10}\n", "sums over the frames", "TT", "VF",
+             "EE", "missed", "invented", "node pairs", "box pairs", "exact");
 }
 
 void CollisionReport::print_time_header() const {
-  fmt::print(table_, "  {:<22}{:>4} |{:>9}{:>9} |{:>9}{:>9} |{:>9}{:>9} | {}\n", "ms a frame", "thr", "cpu", "clock",
+  fmt::print(table_, "  {:<28}{:>4} |{:>9}{:>9} |{:>9}{:>9} |{:>9}{:>9} | {}\n", "ms a frame", "thr", "cpu", "clock",
              "bvh/ cpu", "clock", "n-c/ cpu", "clock", "peer/ours cpu, clock");
 }
 
 void CollisionReport::add(CollisionCount c) {
-  fmt::print(table_, "  {:<22}{:>10}{:>9}{:>10} | {:>11}{:>12}{:>10}\n", c.method, c.pairs, c.missed, c.invented,
-             c.node_pairs, c.box_pairs, c.exact_tests);
+  fmt::print(table_, "  {:<28}{:>9}{:>9}{:>9}{:>9}{:>10} | {:>11}{:>12}{:>10}\n", c.method, c.triangle_pairs,
+             c.vertex_face, c.edge_edge, c.missed, c.invented, c.node_pairs, c.box_pairs, c.exact_tests);
   std::fflush(table_);
   counts_.push_back(std::move(c));
 }
 
 void CollisionReport::add(CollisionTime t) {
-  fmt::print(table_, "  {:<22}{:>4} |{:>9.2f}{:>9.2f} |{:>9}{:>9} |{:>9}{:>9} |\n", t.method, t.threads,
+  fmt::print(table_, "  {:<28}{:>4} |{:>9.2f}{:>9.2f} |{:>9}{:>9} |{:>9}{:>9} |\n", t.method, t.threads,
              1e3 * t.frame.processor, 1e3 * t.frame.clock, times(t.over_bvh.processor), times(t.over_bvh.clock),
              times(t.over_normal_cone.processor), times(t.over_normal_cone.clock));
   std::fflush(table_);
@@ -50,7 +50,7 @@ void CollisionReport::add(CollisionTime t) {
 }
 
 void CollisionReport::add(PeerTime t) {
-  fmt::print(table_, "  {:<22}{:>4} |{:>9.2f}{:>9.2f} |{:>18} |{:>18} | {:.2f}, {:.2f} (target {:g})\n", t.peer,
+  fmt::print(table_, "  {:<28}{:>4} |{:>9.2f}{:>9.2f} |{:>18} |{:>18} | {:.2f}, {:.2f} (target {:g})\n", t.peer,
              t.threads, 1e3 * t.frame.processor, 1e3 * t.frame.clock, "", "", t.ratio.processor, t.ratio.clock,
              t.target);
   std::fflush(table_);
@@ -58,7 +58,7 @@ void CollisionReport::add(PeerTime t) {
 }
 
 void CollisionReport::add(PeerAgreement a) {
-  fmt::print(table_, "  {:<22}{:>10} pairs without a common vertex; only ours {}, only theirs {}; {} others\n", a.peer,
+  fmt::print(table_, "  {:<28}{:>9} pairs without a common vertex; only ours {}, only theirs {}; {} others\n", a.peer,
              a.pairs, a.only_ours, a.only_theirs, a.adjacent);
   std::fflush(table_);
   agreements_.push_back(std::move(a));
@@ -76,10 +76,13 @@ void CollisionReport::write_json(const std::filesystem::path& path) const {
   nlohmann::json json = {{"schema", 1}, {"benchmark", "self-collision"}};
   for (const CollisionCount& c : counts_)
     json["counts"].push_back({{"mesh", c.mesh},
+                              {"kind", c.kind},
                               {"method", c.method},
                               {"triangles", c.triangles},
                               {"frames", c.frames},
-                              {"pairs", c.pairs},
+                              {"triangle_pairs", c.triangle_pairs},
+                              {"vertex_face", c.vertex_face},
+                              {"edge_edge", c.edge_edge},
                               {"missed", c.missed},
                               {"invented", c.invented},
                               {"node_pairs", c.node_pairs},
@@ -87,6 +90,7 @@ void CollisionReport::write_json(const std::filesystem::path& path) const {
                               {"exact_tests", c.exact_tests}});
   for (const CollisionTime& t : times_)
     json["methods"].push_back({{"mesh", t.mesh},
+                               {"kind", t.kind},
                                {"method", t.method},
                                {"threads", t.threads},
                                {"seconds", to_json(t.frame)},

@@ -10,17 +10,17 @@ namespace selvage::bench {
 
 /// What a method found in the frames of one surface, and what it did for that; sums over the frames.
 struct CollisionCount {
-  std::string mesh, method;
+  std::string mesh, kind, method;
   std::int64_t triangles = 0, frames = 0;
-  std::int64_t pairs = 0;
-  std::int64_t missed = 0;    ///< of the pairs that the hierarchy alone finds
-  std::int64_t invented = 0;  ///< pairs that it does not find
+  std::int64_t triangle_pairs = 0, vertex_face = 0, edge_edge = 0;  ///< as the kind has them
+  std::int64_t missed = 0;                                          ///< of the pairs that the hierarchy alone finds
+  std::int64_t invented = 0;                                        ///< pairs that it does not find
   std::int64_t node_pairs = 0, box_pairs = 0, exact_tests = 0;
 };
 
 /// What a method takes for one frame: refit and all pairs.
 struct CollisionTime {
-  std::string mesh, method;
+  std::string mesh, kind, method;
   int threads = 1;
   Duration frame;                       ///< mean over the frames [s]
   Duration over_bvh, over_normal_cone;  ///< their time over this one's, median over the frames; 0: not measured

@@ -71,11 +71,12 @@ struct CollisionArguments {
   std::vector<std::string> sequences, methods;
   int frames = 24;
   std::int64_t triangles = 0;
-  bool without_peers = false, without_growth = false;
+  bool without_peers = false, without_steps = false, without_growth = false;
 };
 
 void bench_self_collision(const Arguments& arguments, const CollisionArguments& collision) {
-  const SelfCollisionPlan plan{arguments.thread_counts(), collision.methods, !collision.without_peers};
+  const SelfCollisionPlan plan{arguments.thread_counts(), collision.methods, !collision.without_peers,
+                               !collision.without_steps};
   const int frames = arguments.quick ? 4 : collision.frames;
   CollisionReport report(arguments.table());
   report.say(
@@ -127,6 +128,7 @@ int main(int argc, char** argv) try {
   collisions->add_option("--frames", collision.frames, "Frames of each sequence, or as many as it has")
       ->check(CLI::Range(2, 100'000));
   collisions->add_flag("--no-peers", collision.without_peers, "The library alone");
+  collisions->add_flag("--no-steps", collision.without_steps, "Discrete queries alone");
   collisions->add_flag("--no-growth", collision.without_growth, "Without the time against size");
   for (CLI::App* sub : {paths, collisions}) {
     sub->add_option("--threads", arguments.threads, "All threads; 1: nothing but one")->check(CLI::PositiveNumber);

@@ -29,6 +29,10 @@ ColliderTree tree_of(const std::string& peer) {
                             : ColliderTree::kMorton;
 }
 
+const char* name_of(QueryKind kind) {
+  return kind == QueryKind::kContinuous ? "continuous" : "discrete";
+}
+
 class Measurement {
  public:
   Measurement(QueryKind kind, const CollisionSubject& subject, const SelfCollisionPlan& plan, CollisionReport& report)
@@ -90,12 +94,14 @@ void Measurement::count_pairs() {
   }
   report_.print_count_header();
   for (const std::string& method : methods_) {
-    CollisionCount count{subject_.name(), method, subject_.mesh().triangle_count(), frames_};
+    CollisionCount count{subject_.name(), name_of(kind_), method, subject_.mesh().triangle_count(), frames_};
     const auto query = CollisionQuery::make(kind_, subject_, method);
     CollisionWork work;
     for (int i = 0; i < frames_; ++i) {
       const FoundPairs found = query->find(i, work);
-      count.pairs += found.count();
+      count.triangle_pairs += std::ssize(found.triangles);
+      count.vertex_face += std::ssize(found.vertex_face);
+      count.edge_edge += std::ssize(found.edge_edge);
       count.missed += truth_[i].count_missing_in(found);
       count.invented += found.count_missing_in(truth_[i]);
     }
@@ -165,8 +171,8 @@ void Measurement::measure_times(int threads) {
     return slow != fast && rounds.has(slow) ? rounds.ratio(slow, fast) : Duration{};
   };
   for (const std::string& method : methods_)
-    report_.add(CollisionTime{subject_.name(), method, threads, rounds.mean(method), ratio("bvh", method),
-                              ratio("normal-cone", method)});
+    report_.add(CollisionTime{subject_.name(), name_of(kind_), method, threads, rounds.mean(method),
+                              ratio("bvh", method), ratio("normal-cone", method)});
   for (const std::string& peer : peers_)
     report_.add(PeerTime{subject_.name(), peer, threads, rounds.mean(peer), rounds.ratio(peer, ours_), target(peer)});
 }
@@ -176,11 +182,15 @@ void Measurement::measure_times(int threads) {
 void measure_self_collision(const CollisionSubject& subject, const SelfCollisionPlan& plan, CollisionReport& report) {
   report.say(fmt::format("\n{}: {} triangles, {} frames", subject.name(), subject.mesh().triangle_count(),
                          subject.frame_count()));
-  Measurement measurement(QueryKind::kDiscrete, subject, plan, report);
-  measurement.count_pairs();
-  measurement.compare_peers();
-  report.print_time_header();
-  for (const int threads : plan.threads) measurement.measure_times(threads);
+  for (const QueryKind kind : {QueryKind::kDiscrete, QueryKind::kContinuous}) {
+    if (kind == QueryKind::kContinuous && !plan.with_steps) continue;
+    report.say(fmt::format("  {}", name_of(kind)));
+    Measurement measurement(kind, subject, plan, report);
+    measurement.count_pairs();
+    measurement.compare_peers();
+    report.print_time_header();
+    for (const int threads : plan.threads) measurement.measure_times(threads);
+  }
 }
 
 void measure_growth(std::span<const std::int64_t> triangles, int frames, CollisionReport& report) {
