@@ -49,7 +49,7 @@ sanitize-memory:
 sanitize-threads:
 	$(INSTALL) build test
 	$(CONFIGURE) --preset tsan
-	$(BUILD) tsan --target test_core test_mesh test_bvh test_boundary_path
+	$(BUILD) tsan --target test_core test_mesh test_bvh test_boundary_path test_self_collision
 	SELVAGE_TEST_SCALE=$(SANITIZE_SCALE) $(CTEST) --preset tsan
 
 ## fuzz        feed every mesh reader with broken files for FUZZ_SECONDS each (10)

@@ -44,6 +44,7 @@ class Measurement {
         ours_(default_method()) {
     for (const std::string_view name : culling_method_names())
       if (plan.methods.empty()) methods_.emplace_back(name);
+    if (kind == QueryKind::kContinuous) methods_ = {"bvh"};  // the one there is
     if (!has_method(ours_)) ours_ = methods_.back();
     if (!plan.with_peers || kind != QueryKind::kDiscrete) return;
     peers_ = {kRefitted, kRebuilt, kMorton};

@@ -123,11 +123,17 @@ Command add_check(CLI::App& app) {
                      "pairs of triangles that meet, exactly. Exit status 1: there are some.",
                      kExample, options->common);
   sub->add_option("mesh", options->mesh, "Mesh file")->required()->type_name("MESH");
+  sub->add_option("--to", options->end_mesh,
+                  "Find what meets while each vertex moves on a straight line from MESH to the same mesh in MESH1: "
+                  "vertices and faces, edges and edges")
+      ->type_name("MESH1");
   sub->add_option(
          "--method", options->method,
-         fmt::format("How pairs are culled: {}. All but three give every pair; for comparison, dual-cone, "
-                     "dual-cone-internal and enhanced-dual-cone-published are as in their papers and may miss some",
-                     fmt::join(culling_method_names(), ", ")))
+         fmt::format(
+             "How pairs are culled: {}. All but three give every pair; for comparison, dual-cone, "
+             "dual-cone-internal and enhanced-dual-cone-published are as in their papers and may miss some. With "
+             "--to: auto or bvh, which are the same there",
+             fmt::join(culling_method_names(), ", ")))
       ->type_name("NAME");
   sub->add_flag("--adjacent", options->adjacent,
                 "Also triangles that share a vertex or an edge and meet anywhere else");

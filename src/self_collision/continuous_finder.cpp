@@ -69,6 +69,10 @@ struct ContinuousCollisionFinder::State {
         options(std::move(o)),
         filter(PairFilter::where_needed(m, options.filters)),
         triangles(assign_features(m)) {
+    if (options.method != CullingMethod::kAuto && options.method != CullingMethod::kBvh)
+      throw Error("method",
+                  fmt::format("{} does not cull steps", culling_method_names()[static_cast<int>(options.method)]),
+                  "use auto or bvh");
     if (!options.thickness.empty())
       throw Error("thickness", "continuous queries have none", "leave it empty, or ask a SelfCollisionFinder");
     rebuild(positions_t0, positions_t1);
