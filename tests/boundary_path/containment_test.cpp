@@ -115,19 +115,9 @@ void compare_kernels(std::size_t number) {
   const auto& mesh = subject.mesh;
   const PathTopology<D> topology(mesh);
   Pose<D> pose(mesh, topology);
-  pose.set(subject.judge.positions());
-  std::vector<Box> boxes;
-  for (const auto& element : mesh.elements()) {
-    Vec<D> lower = pose.positions()[element[0]], upper = lower;
-    for (Index v : element) {
-      lower = lower.cwiseMin(pose.positions()[v]);
-      upper = upper.cwiseMax(pose.positions()[v]);
-    }
-    boxes.push_back(pose.frame().around(lower, upper));
-  }
-  const Bvh bvh(boxes);
+  pose.rebuild(subject.judge.positions());
   const ContainmentScene<D> scene{pose.positions().data(), mesh.elements().data(), pose.rounded_positions().data(),
-                                  pose.rounding(), bvh.nodes()};
+                                  pose.rounding(), pose.elements().nodes()};
   std::vector<Index> ids(mesh.vertex_count());
   std::iota(ids.begin(), ids.end(), 0);
   const OwnElements no_own{kBeyondAllNodes, {}};

@@ -88,11 +88,12 @@ TEST_F(CheckTest, NeitherThreadsNorInstructionsNorMethodChangeTheAnswer) {
   make_tangled();
   const json expected = check("tangled.t --adjacent", 1);
   for (const char* way : {"baseline", "avx2", "avx512"}) {
-    for (const char* threads : {" --threads 1", " --threads 5 --method bvh"}) {
+    for (const char* threads : {" --threads 1", " --threads 5", " --method bvh"}) {
       const Outcome outcome =
           run(std::string("check tangled.t --adjacent --json -") + threads, std::string("export SELVAGE_ISA=") + way);
       const json result = json::parse(outcome.out);
-      for (const char* name : {"triangle_pairs", "contacts", "statistics"}) EXPECT_EQ(result[name], expected[name]);
+      for (const char* name : {"triangle_pairs", "contacts"}) EXPECT_EQ(result[name], expected[name]);
+      if (result["method"] == expected["method"]) EXPECT_EQ(result["statistics"], expected["statistics"]);
     }
   }
 }
