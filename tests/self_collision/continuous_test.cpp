@@ -118,7 +118,9 @@ TEST_P(Continuous, ImpactTimesAndTheFreeStepAreThoseOfThePairs) {
     // A step cut off before the earliest impact is free, up to the rounding of where it is cut off.
     Positions cut = surface.positions;
     for (std::size_t v = 0; v < cut.size(); ++v) cut[v] += (end[v] - cut[v]) * (earliest - 1e-6);
-    if (earliest > 1e-5) EXPECT_FALSE(ContinuousCollisionFinder(mesh, surface.positions, cut).has_pairs()) << n;
+    if (earliest > 1e-5) {
+      EXPECT_FALSE(ContinuousCollisionFinder(mesh, surface.positions, cut).has_pairs()) << n;
+    }
   }
 }
 
