@@ -96,8 +96,10 @@ SELVAGE_INLINE bool apart_on_an_axis(const MovingPoints& points) {
     bool before = true, behind = true;
     for (int i = 0; i < Count; ++i)
       for (int j = Count; j < 4; ++j) {
-        before &= (points.t0[i][k] < points.t0[j][k]) & (points.t1[i][k] < points.t1[j][k]);
-        behind &= (points.t0[i][k] > points.t0[j][k]) & (points.t1[i][k] > points.t1[j][k]);
+        before &= points.t0[i][k] < points.t0[j][k];
+        before &= points.t1[i][k] < points.t1[j][k];
+        behind &= points.t0[i][k] > points.t0[j][k];
+        behind &= points.t1[i][k] > points.t1[j][k];
       }
     apart |= before | behind;
   }
