@@ -11,6 +11,8 @@ INSTALL := scripts/install-packages
 CONFIGURE = cmake -DSELVAGE_WARNINGS_AS_ERRORS=$(if $(CI),ON,OFF) --log-level=WARNING
 BUILD = cmake --build -j $(JOBS) --preset
 CTEST = ctest -j $(JOBS) --output-on-failure --no-tests=error --progress
+empty :=
+LABELS = ^($(subst $(empty) $(empty),|,$(strip $(FLOORS))))$$
 SOURCES = $(shell git ls-files '*.h' '*.cpp')
 
 ## demo        build, then find the ways out of a tangled octopus and a self-crossing noodle; see demo-output/
@@ -39,18 +41,21 @@ build-tests:
 ## sanitize    the tests under the address, undefined-behaviour and thread sanitizers, with fewer random cases
 sanitize: sanitize-memory sanitize-threads
 
+# FLOORS="bvh mesh": the tests of these floors alone.
+sanitize-memory: FLOORS ?= core geometry mesh bvh boundary_path self_collision picture cli
 sanitize-memory:
 	$(INSTALL) build test
 	$(CONFIGURE) --preset asan
-	$(BUILD) asan --target selvage_tests
-	SELVAGE_TEST_SCALE=$(SANITIZE_SCALE) $(CTEST) --preset asan
+	$(BUILD) asan --target $(addprefix test_,$(FLOORS))
+	SELVAGE_TEST_SCALE=$(SANITIZE_SCALE) $(CTEST) --preset asan -L '$(LABELS)'
 
 # Only what runs in parallel.
+sanitize-threads: FLOORS ?= core mesh bvh boundary_path self_collision
 sanitize-threads:
 	$(INSTALL) build test
 	$(CONFIGURE) --preset tsan
-	$(BUILD) tsan --target test_core test_mesh test_bvh test_boundary_path test_self_collision
-	SELVAGE_TEST_SCALE=$(SANITIZE_SCALE) $(CTEST) --preset tsan
+	$(BUILD) tsan --target $(addprefix test_,$(FLOORS))
+	SELVAGE_TEST_SCALE=$(SANITIZE_SCALE) $(CTEST) --preset tsan -L '$(LABELS)'
 
 ## fuzz        feed every mesh reader with broken files for FUZZ_SECONDS each (10)
 fuzz:

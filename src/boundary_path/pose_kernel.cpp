@@ -142,7 +142,8 @@ ElementFindings examine_all(const ElementTask<D>& task, Index first, Index last,
     for (std::uint64_t rest = at_boundary; rest != 0; rest &= rest - 1) {
       const int bit = std::countr_zero(rest);
       // Many may set the same mark at once.
-      __atomic_store_n(&task.ray_marks[2 * leaf.vertices[0][bit & 31] + (bit >> 5)], 1, __ATOMIC_RELAXED);
+      __atomic_store_n(&task.ray_marks[2 * leaf.vertices[(bit & 31) / kWidth][bit % kWidth] + (bit >> 5)], 1,
+                       __ATOMIC_RELAXED);
     }
     for (unsigned rest = leaf.lanes & ~rays.sure; rest != 0; rest &= rest - 1)
       doubtful[findings.doubtful++] = node.children[lowest_lane(rest)];
