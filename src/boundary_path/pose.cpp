@@ -277,8 +277,10 @@ void Pose<D>::settle_vertices() {
 template <int D>
 void Pose<D>::count_rays() {
   parallel_for(std::ssize(inner_rays_), kGrain, [&](std::int64_t n) {
-    for (std::uint32_t rest = inner_rays_[n]; rest != 0; rest &= rest - 1)
-      add_relaxed(ray_counts_[element_leaves_[n].vertices[0][lowest_lane(rest)]], 1u);
+    for (std::uint32_t rest = inner_rays_[n]; rest != 0; rest &= rest - 1) {
+      const int bit = lowest_lane(rest);
+      add_relaxed(ray_counts_[element_leaves_[n].vertices[bit / BvhNode::kWidth][bit % BvhNode::kWidth]], 1u);
+    }
   });
 }
 
