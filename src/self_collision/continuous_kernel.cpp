@@ -79,23 +79,13 @@ class Search {
       : scene_(scene), result_(result), vertex_face_(scene, result), edge_edge_(scene, result) {}
 
   void run(NodePair start) {
-    NodePair stack[traversal::kPairStackSize];
-    stack[0] = start;
-    NodePair* top = stack + 1;
-    while (top != stack && !is_stopped()) {
-      const NodePair pair = *--top;
-      ++result_.counters.node_pairs;
-      traversal::compare_children<true>(
-          scene_.nodes, scene_.nodes, pair,
-          [&](NodePair next) {
-            if (is_worth_comparing(next)) *top++ = next;
-          },
-          [&](const PrimitiveRow& row) {
-            const BvhNode& node = scene_.nodes[row.node];
-            for (unsigned rest = row.lanes; rest != 0; rest &= rest - 1)
-              take_pair(row.primitive, node.children[lowest_lane(rest)]);
-          });
-    }
+    traversal::visit_rows<true>(
+        scene_.nodes, scene_.nodes, start, [&](NodePair pair) { return enter(pair); },
+        [&](const PrimitiveRow& row) {
+          const BvhNode& node = scene_.nodes[row.node];
+          for (unsigned rest = row.lanes; rest != 0; rest &= rest - 1)
+            take_pair(row.primitive, node.children[lowest_lane(rest)]);
+        });
     finish();
   }
 
@@ -115,10 +105,11 @@ class Search {
   }
 
  private:
-  bool is_stopped() const { return result_.stop != nullptr && result_.stop->load(std::memory_order_relaxed); }
-
-  /// The one place where a pair of nodes is left out although their boxes meet. The hierarchy alone leaves out none.
-  SELVAGE_INLINE static bool is_worth_comparing(NodePair) { return true; }
+  SELVAGE_INLINE bool enter(NodePair) {
+    if (result_.stop != nullptr && result_.stop->load(std::memory_order_relaxed)) return false;
+    ++result_.counters.node_pairs;
+    return true;
+  }
 
   SELVAGE_INLINE void take_vertices(const MovingTriangle& owner, const MovingTriangle& face, Index face_number) {
     if (owner.owned_vertices == 0) return;

@@ -166,19 +166,9 @@ class Search {
       : scene_(scene), result_(result), disjoint_(scene, result), adjacent_(scene, result) {}
 
   void run(NodePair start) {
-    NodePair stack[traversal::kPairStackSize];
-    stack[0] = start;
-    NodePair* top = stack + 1;
-    while (top != stack && !is_stopped()) {
-      const NodePair pair = *--top;
-      ++result_.counters.node_pairs;
-      traversal::compare_children<kSelf>(
-          scene_.a.nodes, scene_.b.nodes, pair,
-          [&](NodePair next) {
-            if (is_worth_comparing(next)) *top++ = next;
-          },
-          [&](const PrimitiveRow& row) { take_row(row); });
-    }
+    traversal::visit_rows<kSelf>(
+        scene_.a.nodes, scene_.b.nodes, start, [&](NodePair pair) { return enter(pair); },
+        [&](const PrimitiveRow& row) { take_row(row); });
     finish();
   }
 
@@ -200,11 +190,12 @@ class Search {
   }
 
  private:
-  bool is_stopped() const { return result_.stop != nullptr && result_.stop->load(std::memory_order_relaxed); }
-
-  /// The one place where a pair of nodes is left out although their boxes meet. The hierarchy alone leaves out none.
-  SELVAGE_INLINE bool is_worth_comparing(NodePair pair) const {
-    return !kSelf || !scene_.spared.do_hold(scene_.a.nodes.data(), pair);
+  /// The one place where a pair of nodes is left out although their boxes meet.
+  SELVAGE_INLINE bool enter(NodePair pair) {
+    if (result_.stop != nullptr && result_.stop->load(std::memory_order_relaxed)) return false;
+    if (kSelf && scene_.spared.do_hold(scene_.a.nodes.data(), pair)) return false;
+    ++result_.counters.node_pairs;
+    return true;
   }
 
   static Index triangle(const SurfaceView& surface, Index primitive) {

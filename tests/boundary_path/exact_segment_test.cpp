@@ -59,7 +59,9 @@ void compare_with_rationals() {
     ASSERT_EQ(exact.touches(face), segment) << i;
     ASSERT_EQ(exact.touches_within_reach(face), reach) << i;
   }
-  for (const auto seen : {in_segment, in_reach, on_line}) EXPECT_GT(seen, count / 400);
+  if (count > 10'000) {
+    for (const auto seen : {in_segment, in_reach, on_line}) EXPECT_GT(seen, count / 400);
+  }
 }
 
 TEST(ExactSegment, MeetsFacesAsRationalsDoInThePlane) {

@@ -92,22 +92,32 @@ SELVAGE_INLINE void visit_row(std::span<const BvhNode> nodes_a, std::span<const 
   }
 }
 
-/// A popped pair leaves at most 8 x 8 where it was.
-inline constexpr int kPairStackSize = Bvh::kMaxLevels * (BvhNode::kWidth * BvhNode::kWidth - 1) + 1;
-
-template <bool kSelf, typename Visit>
-inline void visit_pairs_below(std::span<const BvhNode> nodes_a, std::span<const BvhNode> nodes_b, NodePair start,
-                              Visit&& visit) {
+/// Visits the rows of primitives whose boxes meet below a pair of nodes.
+///
+/// @param enter  `bool enter(NodePair)`: whether to look below a pair whose boxes meet
+/// @param visit  `visit(const PrimitiveRow&)`
+template <bool kSelf, typename Enter, typename Visit>
+inline void visit_rows(std::span<const BvhNode> nodes_a, std::span<const BvhNode> nodes_b, NodePair start,
+                       Enter&& enter, Visit&& visit) {
   if (nodes_a.empty() || nodes_b.empty()) return;
-  NodePair stack[kPairStackSize];
+  // A popped pair leaves at most 8 x 8 where it was.
+  NodePair stack[Bvh::kMaxLevels * (BvhNode::kWidth * BvhNode::kWidth - 1) + 1];
   stack[0] = start;
   NodePair* top = stack + 1;
   while (top != stack) {
     const NodePair pair = *--top;
-    compare_children<kSelf>(
-        nodes_a, nodes_b, pair, [&](NodePair next) { *top++ = next; },
-        [&](const PrimitiveRow& row) { visit_row(nodes_a, nodes_b, row, visit); });
+    if (enter(pair))
+      compare_children<kSelf>(
+          nodes_a, nodes_b, pair, [&](NodePair next) { *top++ = next; }, visit);
   }
+}
+
+template <bool kSelf, typename Visit>
+inline void visit_pairs_below(std::span<const BvhNode> nodes_a, std::span<const BvhNode> nodes_b, NodePair start,
+                              Visit&& visit) {
+  visit_rows<kSelf>(
+      nodes_a, nodes_b, start, [](NodePair) { return true; },
+      [&](const PrimitiveRow& row) { visit_row(nodes_a, nodes_b, row, visit); });
 }
 
 }  // namespace traversal
