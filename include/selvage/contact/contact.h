@@ -1,0 +1,77 @@
+#pragma once
+
+#include "selvage/core/types.h"
+
+#include <limits>
+
+namespace selvage {
+
+/// What met what.
+enum class ContactKind : std::uint8_t {
+  kVertexPath,    ///< DCD: a vertex inside an element, with its shortest path out
+  kEdgePath,      ///< DCD: the middle of the part of a boundary edge inside an element, with its shortest path out
+  kCentroidPath,  ///< DCD: an element's centroid inside another element, with its shortest path out
+  kVertexFace,    ///< CCD: a vertex ran into a face
+  kEdgeEdge,      ///< CCD: two edges ran into each other
+};
+inline constexpr int kContactKinds = 5;
+
+/// One inequality on positions: a point that must not be behind a point of a surface,
+///
+///     normal . (sum over i < count of weights[i] * x[vertices[i]]) >= 0.
+///
+/// The weights of the point are positive and sum to 1, those of the surface are negative and sum to -1. A vertex of
+/// both is listed once, with the sum of its weights, so that all vertices differ and weights[i] * normal is the
+/// gradient at each; those whose weights are 0 are left out.
+struct Contact {
+  static constexpr int kMaxVertices = 7;  ///< a centroid's four and a face's three
+
+  ContactKind kind = ContactKind::kVertexPath;
+  std::uint8_t count = 0;                      ///< vertices
+  std::array<Index, kMaxVertices> vertices{};  ///< first those of the point, then those of the surface
+  std::array<double, kMaxVertices> weights{};
+  Vec3 normal = Vec3::Zero();     ///< unit; out of the surface, or to the side that the point came from
+  Vec3 point = Vec3::Zero();      ///< of the surface: the closest boundary point, or where they met [m]
+  double time = 0;                ///< of impact, as a fraction of the step; 0 for DCD
+  Index point_feature = kNone;    ///< what penetrates: a vertex, a boundary edge or an element, by its number
+  Index surface_feature = kNone;  ///< what it meets: a boundary face, or for kEdgeEdge a boundary edge
+};
+
+/// Sum of weights[i] * x[vertices[i]]: where the point is, seen from the surface [m].
+inline Vec3 offset_of(const Contact& contact, std::span<const Vec3> positions) {
+  Vec3 offset = Vec3::Zero();
+  for (int i = 0; i < contact.count; ++i) offset += contact.weights[i] * positions[contact.vertices[i]];
+  return offset;
+}
+
+/// Left side of the inequality: negative where the point is behind the surface [m].
+inline double gap_of(const Contact& contact, std::span<const Vec3> positions) {
+  return contact.normal.dot(offset_of(contact, positions));
+}
+
+/// What detects contacts.
+enum class DetectionMode : std::uint8_t {
+  kOff,
+  kCcd,     ///< every boundary vertex and edge by CCD: what is inside at the start of a step stays unseen
+  kDcd,     ///< every point by DCD at the end of the step
+  kHybrid,  ///< SPB section 4: what is inside at the start of the step by DCD, all else by CCD
+};
+
+/// The boundary point that a penetrating point is sent to. All but the first are for comparison.
+enum class ClosestPointRule : std::uint8_t {
+  kShortestPath,  ///< SPB
+  kRestPose,      ///< closest in the rest pose (SPB figures 22 and 23)
+  kEuclidean,     ///< closest on the other object (SPB figure 15a); within one object the shortest path
+};
+
+struct ContactOptions {
+  DetectionMode mode = DetectionMode::kHybrid;
+  ClosestPointRule rule = ClosestPointRule::kShortestPath;
+  bool detect_edges = true;  ///< DCD of edges and CCD of pairs of edges
+  /// Interior vertices and centroids of elements too, which undoes complete overlaps (SPB section 5.2): everything by
+  /// DCD at the end of the step, whatever the mode (but for kOff).
+  bool interior_points = false;
+  bool cull_infeasible_regions = true;  ///< SPB section 3.6; changes no contact
+};
+
+}  // namespace selvage

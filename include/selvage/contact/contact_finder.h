@@ -1,0 +1,91 @@
+#pragma once
+
+#include "selvage/boundary_path/boundary_path.h"
+#include "selvage/contact/contact.h"
+#include "selvage/self_collision/continuous_collision.h"
+
+#include <memory>
+
+namespace selvage {
+
+/// What the search for penetrating vertices and edges did. The same for any number of threads.
+struct PenetrationCounters {
+  std::int64_t features = 0;          ///< boundary vertices and edges asked about
+  std::int64_t searched = 0;          ///< those that were not cleared by a bound of the motion, and searched for
+  std::int64_t elements_tested = 0;   ///< elements compared with them exactly
+  std::int64_t references_taken = 0;  ///< times that every element was looked at anew
+
+  PenetrationCounters& operator+=(const PenetrationCounters& other);
+};
+
+/// What one step's detection did: from begin_step() to the end of find_contacts(). All but the seconds are the same for
+/// any number of threads.
+struct ContactStatistics {
+  std::array<std::int64_t, kContactKinds> contacts{};  ///< by ContactKind
+
+  /// Split at the start of the step, for kHybrid; the rest is free.
+  std::int64_t penetrating_vertices = 0;
+  std::int64_t penetrating_edges = 0;
+
+  std::int64_t path_queries = 0;   ///< pairs of a point and an element that were asked for a way out
+  std::int64_t blocked_paths = 0;  ///< those without one
+  std::int64_t pose_updates =
+      0;  ///< refits of the hierarchies over all elements and faces: none where no path is asked
+  PathCounters paths;
+  PenetrationCounters penetrations;
+  ContinuousCounters continuous;
+
+  double split_seconds = 0;  ///< DCD at the start of the step
+  double dcd_seconds = 0;    ///< DCD at its end
+  double refit_seconds = 0;  ///< pose updates for shortest paths
+  double path_seconds = 0;   ///< shortest paths
+  double ccd_seconds = 0;    ///< CCD with times of impact
+};
+
+/// Contacts of a tetrahedral mesh with itself during a step: of its objects with one another and each with itself.
+///
+/// A step is begin_step() with the positions that it starts from, then find_contacts() with those that the solver of
+/// the material proposes. Any sequence of poses is legal, tangled and inverted ones too.
+/// Elements that have a vertex in common with a point are not compared with it: what touches by construction is no
+/// contact.
+///
+/// Source: Chen, Diaz, Yuksel 2023 (SPB), section 4 and supplement, algorithm 5.
+class ContactFinder {
+ public:
+  /// @param mesh            topology, all objects in one; must outlive the finder
+  /// @param rest_positions  (n_vertices x 3) for ClosestPointRule::kRestPose, else may be empty [m]
+  /// @param positions       (n_vertices x 3) where the first step starts [m]
+  /// @param vertex_objects  (n_vertices) number of the object that each vertex belongs to, for
+  ///                        ClosestPointRule::kEuclidean; empty: connected components
+  /// @throws Error          when sizes differ, a position is not finite, or the rule lacks what it needs
+  ContactFinder(const TetMesh& mesh, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
+                std::span<const Index> vertex_objects = {}, ContactOptions options = {});
+  ~ContactFinder();
+  ContactFinder(ContactFinder&&) noexcept;
+  ContactFinder& operator=(ContactFinder&&) noexcept;
+
+  /// Start of a step: splits boundary vertices and edges into penetrating and free ones.
+  /// @throws Error  when the size differs or a position is not finite; so does find_contacts()
+  void begin_step(std::span<const Vec3> positions_t0);
+
+  /// Contacts of the step that ends at the given positions, sorted by kind, then by what penetrates: for each point
+  /// that is inside an element its way out; for each free vertex its first impact on a face; pairs of free edges that
+  /// are the first impact of one of the two. Parallel; the same bits for any number of threads.
+  void find_contacts(std::span<const Vec3> positions_t1, std::vector<Contact>& contacts);
+
+  /// Of the last step.
+  const ContactStatistics& statistics() const;
+
+  /// The boundary's faces and edges, by whose numbers contacts name them.
+  const TriangleMesh& surface() const;
+
+  /// Boundary vertices and edges that are inside an element at the start of the step, ascending; for kHybrid.
+  std::span<const Index> penetrating_vertices() const;
+  std::span<const Index> penetrating_edges() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace selvage

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "selvage/core/types.h"
+
+namespace selvage {
+
+/// A lower bound of the distance between a segment (a point, where its ends are equal) and a tetrahedron: the largest
+/// gap between the two along a few directions. 0 where none tells them apart. Any shape is allowed. What rounding adds
+/// is below 2^-48 of the largest coordinate.
+double distance_bound(const std::array<Vec3, 2>& segment, const std::array<Vec3, 4>& tetrahedron);
+
+}  // namespace selvage

@@ -1,0 +1,326 @@
+#include "selvage/contact/contact_finder.h"
+
+#include "contact/closest_rules.h"
+#include "contact/contact_parts.h"
+#include "contact/impact_contacts.h"
+#include "contact/penetration_search.h"
+#include "selvage/core/error.h"
+#include "selvage/core/parallel.h"
+#include "selvage/geometry/predicates.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+
+namespace selvage {
+
+namespace {
+
+constexpr std::int64_t kGrain = 1024;
+
+/// Calls the body and adds the time that it takes.
+template <typename Body>
+void timed(double& seconds, Body&& body) {
+  const auto start = std::chrono::steady_clock::now();
+  body();
+  seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void check_positions(const TetMesh& mesh, std::span<const Vec3> positions) {
+  if (std::ssize(positions) != mesh.vertex_count())
+    throw Error("positions", fmt::format("{} positions for {} vertices", positions.size(), mesh.vertex_count()),
+                "give one position per vertex");
+  for (std::size_t v = 0; v < positions.size(); ++v)
+    if (!positions[v].allFinite())
+      throw Error(fmt::format("vertex {}", v), "a coordinate is not finite", "remove NaN and infinity");
+}
+
+std::vector<TriangleMesh::Triangle> boundary_of(const TetMesh& mesh) {
+  return {mesh.boundary_faces().begin(), mesh.boundary_faces().end()};
+}
+
+bool is_same_point(const Contact& a, const Contact& b) {
+  return a.kind == b.kind && a.point_feature == b.point_feature;
+}
+
+/// Builds the contacts of all pairs that are a first impact, leaving out those without a normal.
+template <typename Pair, typename Make>
+void append_impacts(std::span<const Pair> pairs, std::span<const double> times, std::span<const Index> kept,
+                    std::vector<Contact>& contacts, Make&& make) {
+  std::vector<std::optional<Contact>> made(kept.size());
+  parallel_for(std::ssize(kept), kGrain, [&](std::int64_t i) { made[i] = make(pairs[kept[i]], times[kept[i]]); });
+  for (const auto& contact : made)
+    if (contact) contacts.push_back(*contact);
+}
+
+}  // namespace
+
+PenetrationCounters& PenetrationCounters::operator+=(const PenetrationCounters& other) {
+  features += other.features;
+  searched += other.searched;
+  elements_tested += other.elements_tested;
+  references_taken += other.references_taken;
+  return *this;
+}
+
+struct ContactFinder::State {
+  const TetMesh& mesh;
+  ContactOptions options;
+  TriangleMesh surface;
+  std::vector<Vec3> positions_t0;
+  std::vector<Index> inner_vertices;  ///< that some element has
+  std::optional<PenetrationSearch> search;
+  std::optional<BoundaryPathFinder<3>> paths;  ///< both made when first needed
+  std::optional<ContinuousCollisionFinder> impacts;
+  std::optional<RestPoseRule> rest_pose;
+  std::optional<EuclideanRule> euclidean;
+
+  std::vector<Index> inside;  ///< features of the search that penetrate at the start of the step
+  std::vector<std::uint8_t> is_inside;
+  std::vector<Index> inside_vertices, inside_edges;
+  ContactStatistics statistics;
+
+  State(const TetMesh& m, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
+        std::span<const Index> vertex_objects, ContactOptions o);
+
+  bool uses_ccd() const {
+    return !options.interior_points && (options.mode == DetectionMode::kCcd || options.mode == DetectionMode::kHybrid);
+  }
+  bool splits() const { return !options.interior_points && options.mode == DetectionMode::kHybrid; }
+  bool uses_dcd() const {
+    return options.mode != DetectionMode::kOff && (options.interior_points || options.mode != DetectionMode::kCcd);
+  }
+
+  void begin_step(std::span<const Vec3> positions);
+  void find_contacts(std::span<const Vec3> positions, std::vector<Contact>& contacts);
+  std::vector<PenetratingPoint> find_boundary_points(std::span<const Vec3> positions);
+  void append_interior_points(std::span<const Vec3> positions, std::vector<PenetratingPoint>& points) const;
+  void place_paths(std::span<const Vec3> positions);
+  std::vector<BoundaryPath<3>> find_ways_out(std::span<const PenetratingPoint> points, std::span<const Vec3> positions);
+  void append_paths(std::span<const Vec3> positions, std::vector<Contact>& contacts);
+  void append_impacts_of_step(std::span<const Vec3> positions, std::vector<Contact>& contacts);
+  bool holds_nothing(Index element, std::span<const Vec3> positions) const;
+};
+
+ContactFinder::State::State(const TetMesh& m, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
+                            std::span<const Index> vertex_objects, ContactOptions o)
+    : mesh(m), options(o), surface(m.vertex_count(), boundary_of(m)) {
+  check_positions(mesh, positions);
+  if (!vertex_objects.empty() && std::ssize(vertex_objects) != mesh.vertex_count())
+    throw Error("vertex_objects", fmt::format("{} for {} vertices", vertex_objects.size(), mesh.vertex_count()),
+                "give one per vertex, or none at all");
+  if (options.rule == ClosestPointRule::kRestPose) {
+    check_positions(mesh, rest_positions);
+    rest_pose.emplace(mesh, rest_positions);
+  }
+  if (options.rule == ClosestPointRule::kEuclidean) euclidean.emplace(mesh, vertex_objects);
+  if (uses_dcd()) search.emplace(mesh, surface, options.detect_edges, positions);
+  if (options.interior_points)
+    for (Index v = 0; v < mesh.vertex_count(); ++v)
+      if (mesh.vertex_boundary_faces(v).empty() && !mesh.vertex_elements(v).empty()) inner_vertices.push_back(v);
+  positions_t0.assign(positions.begin(), positions.end());
+  if (search) is_inside.resize(search->feature_count());
+}
+
+void ContactFinder::State::begin_step(std::span<const Vec3> positions) {
+  check_positions(mesh, positions);
+  statistics = {};
+  positions_t0.assign(positions.begin(), positions.end());
+  if (!splits()) return;
+  timed(statistics.split_seconds, [&] {
+    for (const Index f : inside) is_inside[f] = 0;
+    inside.clear();
+    inside_vertices.clear();
+    inside_edges.clear();
+    search->place(positions);
+    for (const Penetration& p : search->find_all(statistics.penetrations)) {
+      if (is_inside[p.feature]) continue;
+      is_inside[p.feature] = 1;
+      inside.push_back(p.feature);
+      if (search->is_edge(p.feature)) {
+        inside_edges.push_back(search->edge_of(p.feature));
+      } else {
+        inside_vertices.push_back(search->vertex_of(p.feature));
+      }
+    }
+  });
+  statistics.penetrating_vertices = std::ssize(inside_vertices);
+  statistics.penetrating_edges = std::ssize(inside_edges);
+}
+
+/// Inverted elements on the boundary (SPB section 3.5).
+bool ContactFinder::State::holds_nothing(Index element, std::span<const Vec3> positions) const {
+  const auto& across = mesh.neighbours()[element];
+  return std::any_of(across.begin(), across.end(), [](Index n) { return n < 0; }) &&
+         orientation(corners_of(mesh.elements()[element], positions)) < 0;
+}
+
+std::vector<PenetratingPoint> ContactFinder::State::find_boundary_points(std::span<const Vec3> positions) {
+  search->place(positions);
+  const auto found =
+      splits() ? search->find(inside, statistics.penetrations) : search->find_all(statistics.penetrations);
+  std::vector<PenetratingPoint> points;
+  for (const Penetration& p : found) {
+    if (search->is_edge(p.feature)) {
+      const Index edge = search->edge_of(p.feature);
+      points.push_back(penetrating_edge(edge, surface.edges()[edge], p.middle, p.element, positions));
+    } else {
+      points.push_back(penetrating_vertex(search->vertex_of(p.feature), p.element, positions));
+    }
+  }
+  return points;
+}
+
+/// Inner vertices and centroids, each with all elements that hold it and share no vertex with it.
+void ContactFinder::State::append_interior_points(std::span<const Vec3> positions,
+                                                  std::vector<PenetratingPoint>& points) const {
+  std::vector<PenetratingPoint> candidates;
+  for (const Index v : inner_vertices) candidates.push_back(penetrating_vertex(v, 0, positions));
+  for (Index e = 0; e < mesh.element_count(); ++e)
+    candidates.push_back(penetrating_centroid(e, mesh.elements()[e], 0, positions));
+  std::vector<Vec3> places(candidates.size());
+  for (std::size_t i = 0; i < candidates.size(); ++i) places[i] = candidates[i].query.point;
+  const auto located = paths->locate(places);
+  for (std::size_t i = 0; i < candidates.size(); ++i)
+    for (std::int64_t k = located.first[i]; k < located.first[i + 1]; ++k) {
+      PenetratingPoint point = candidates[i];
+      point.query = located.queries[k];
+      const auto own = std::span(point.vertices).first(point.count);
+      const auto& holder = mesh.elements()[point.query.element];
+      const bool shares =
+          std::any_of(own.begin(), own.end(), [&](Index v) { return share_vertex(std::array{v}, holder); });
+      if (!shares && !holds_nothing(point.query.element, positions)) points.push_back(point);
+    }
+}
+
+void ContactFinder::State::place_paths(std::span<const Vec3> positions) {
+  timed(statistics.refit_seconds, [&] {
+    if (paths) {
+      paths->update(positions);
+    } else {
+      paths.emplace(mesh, positions, PathOptions{options.cull_infeasible_regions, true});
+    }
+    if (euclidean) euclidean->place(positions);
+  });
+  ++statistics.pose_updates;
+}
+
+std::vector<BoundaryPath<3>> ContactFinder::State::find_ways_out(std::span<const PenetratingPoint> points,
+                                                                 std::span<const Vec3> positions) {
+  std::vector<PathQuery<3>> queries;
+  for (const PenetratingPoint& point : points) queries.push_back(point.query);
+  if (rest_pose) return rest_pose->find(queries, positions);
+  std::vector<PathCounters> counters(queries.size());
+  std::vector<BoundaryPath<3>> found = paths->find_paths(queries, {}, counters);
+  for (const PathCounters& counter : counters) statistics.paths += counter;
+  if (euclidean)
+    parallel_for(std::ssize(points), 64, [&](std::int64_t i) {
+      if (euclidean->applies_to(points[i])) found[i] = euclidean->find(points[i].query, positions);
+    });
+  return found;
+}
+
+void ContactFinder::State::append_paths(std::span<const Vec3> positions, std::vector<Contact>& contacts) {
+  std::vector<PenetratingPoint> points;
+  timed(statistics.dcd_seconds, [&] { points = find_boundary_points(positions); });
+  if (options.interior_points) {
+    place_paths(positions);
+    timed(statistics.dcd_seconds, [&] { append_interior_points(positions, points); });
+  } else if (!points.empty()) {
+    place_paths(positions);
+  }
+  if (points.empty()) return;
+  // Inner vertices are listed after boundary ones, and edges between: each kind in one run, by its numbers.
+  std::stable_sort(points.begin(), points.end(), [](const PenetratingPoint& a, const PenetratingPoint& b) {
+    return std::pair(a.kind, a.feature) < std::pair(b.kind, b.feature);
+  });
+  timed(statistics.path_seconds, [&] {
+    const std::vector<BoundaryPath<3>> found = find_ways_out(points, positions);
+    statistics.path_queries += std::ssize(points);
+    std::size_t first = contacts.size();  // of those of the same point
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (found[i].status != PathStatus::kFound) {
+        ++statistics.blocked_paths;
+        continue;
+      }
+      const Contact contact = path_contact(mesh, points[i], found[i]);
+      // A point between two elements is in both, and leaves them the same way.
+      const auto same = [&](const Contact& other) {
+        return other.surface_feature == contact.surface_feature && other.point == contact.point;
+      };
+      if (first < contacts.size() && !is_same_point(contacts[first], contact)) first = contacts.size();
+      if (found[i].normal.isZero(0) || std::any_of(contacts.begin() + first, contacts.end(), same)) continue;
+      contacts.push_back(contact);
+    }
+  });
+}
+
+void ContactFinder::State::append_impacts_of_step(std::span<const Vec3> positions, std::vector<Contact>& contacts) {
+  if (impacts) {
+    impacts->update(positions_t0, positions);
+  } else {
+    impacts.emplace(surface, positions_t0, positions);
+  }
+  ContinuousPairs pairs = impacts->find_pairs(&statistics.continuous);
+  if (splits()) {
+    const auto inside_of = [](std::span<const Index> all, Index i) {
+      return std::binary_search(all.begin(), all.end(), i);
+    };
+    std::erase_if(pairs.vertex_face, [&](const VertexFacePair& p) { return inside_of(inside_vertices, p.vertex); });
+    std::erase_if(pairs.edge_edge, [&](const EdgeEdgePair& p) {
+      return inside_of(inside_edges, p.first) || inside_of(inside_edges, p.second);
+    });
+  }
+  if (!options.detect_edges) pairs.edge_edge.clear();
+  const SurfaceStep step{surface, positions_t0, positions};
+  const std::vector<double> face_times = impacts->find_impact_times(pairs.vertex_face);
+  append_impacts<VertexFacePair>(pairs.vertex_face, face_times, first_impacts(pairs.vertex_face, face_times), contacts,
+                                 [&](auto pair, double time) { return vertex_face_contact(step, pair, time); });
+  const std::vector<double> edge_times = impacts->find_impact_times(pairs.edge_edge);
+  append_impacts<EdgeEdgePair>(pairs.edge_edge, edge_times,
+                               first_impacts(pairs.edge_edge, edge_times, surface.edge_count()), contacts,
+                               [&](auto pair, double time) { return edge_edge_contact(step, pair, time); });
+}
+
+void ContactFinder::State::find_contacts(std::span<const Vec3> positions, std::vector<Contact>& contacts) {
+  check_positions(mesh, positions);
+  contacts.clear();
+  if (uses_dcd()) append_paths(positions, contacts);
+  if (uses_ccd()) timed(statistics.ccd_seconds, [&] { append_impacts_of_step(positions, contacts); });
+  for (const Contact& contact : contacts) ++statistics.contacts[static_cast<int>(contact.kind)];
+}
+
+ContactFinder::ContactFinder(const TetMesh& mesh, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
+                             std::span<const Index> vertex_objects, ContactOptions options)
+    : state_(std::make_unique<State>(mesh, rest_positions, positions, vertex_objects, options)) {}
+ContactFinder::~ContactFinder() = default;
+ContactFinder::ContactFinder(ContactFinder&&) noexcept = default;
+ContactFinder& ContactFinder::operator=(ContactFinder&&) noexcept = default;
+
+void ContactFinder::begin_step(std::span<const Vec3> positions_t0) {
+  state_->begin_step(positions_t0);
+}
+
+void ContactFinder::find_contacts(std::span<const Vec3> positions_t1, std::vector<Contact>& contacts) {
+  state_->find_contacts(positions_t1, contacts);
+}
+
+const ContactStatistics& ContactFinder::statistics() const {
+  return state_->statistics;
+}
+
+const TriangleMesh& ContactFinder::surface() const {
+  return state_->surface;
+}
+
+std::span<const Index> ContactFinder::penetrating_vertices() const {
+  return state_->inside_vertices;
+}
+
+std::span<const Index> ContactFinder::penetrating_edges() const {
+  return state_->inside_edges;
+}
+
+}  // namespace selvage

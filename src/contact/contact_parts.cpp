@@ -1,0 +1,71 @@
+#include "contact/contact_parts.h"
+
+#include <algorithm>
+
+namespace selvage {
+
+PenetratingPoint penetrating_vertex(Index vertex, Index element, std::span<const Vec3> positions) {
+  return {ContactKind::kVertexPath, vertex, 1, {vertex}, {1}, {positions[vertex], element, {vertex, kNone}}};
+}
+
+PenetratingPoint penetrating_edge(Index edge, const VertexTuple<2>& vertices, double middle, Index element,
+                                  std::span<const Vec3> positions) {
+  const auto& [a, b] = vertices;
+  const Vec3 point = positions[a] + middle * (positions[b] - positions[a]);
+  return {ContactKind::kEdgePath, edge, 2, {a, b}, {1 - middle, middle}, {point, element, {a, b}}};
+}
+
+PenetratingPoint penetrating_centroid(Index of_element, const VertexTuple<4>& vertices, Index element,
+                                      std::span<const Vec3> positions) {
+  Vec3 sum = Vec3::Zero();
+  for (const Index v : vertices) sum += positions[v];
+  return {ContactKind::kCentroidPath, of_element, 4, vertices, {0.25, 0.25, 0.25, 0.25}, {sum / 4, element}};
+}
+
+void add_weight(Contact& contact, Index vertex, double weight) {
+  if (weight == 0) return;
+  const auto end = contact.vertices.begin() + contact.count;
+  const auto place = std::find(contact.vertices.begin(), end, vertex);
+  const auto i = place - contact.vertices.begin();
+  if (place == end) contact.vertices[contact.count++] = vertex;
+  contact.weights[i] += weight;
+}
+
+Contact path_contact(const TetMesh& mesh, const PenetratingPoint& point, const BoundaryPath<3>& path) {
+  Contact contact;
+  contact.kind = point.kind;
+  for (int i = 0; i < point.count; ++i) add_weight(contact, point.vertices[i], point.weights[i]);
+  const auto& face = mesh.boundary_faces()[path.face];
+  for (int i = 0; i < 3; ++i) add_weight(contact, face[i], -path.barycentric[i]);
+  contact.normal = path.normal;
+  contact.point = path.point;
+  contact.point_feature = point.feature;
+  contact.surface_feature = path.face;
+  return contact;
+}
+
+Vec3 outward_normal(const TetMesh& mesh, std::span<const Vec3> positions, Index face,
+                    const std::array<double, 3>& barycentric) {
+  const auto& corners = mesh.boundary_faces()[face];
+  const Vec3 own = area_normal(corners_of(corners, positions));
+  Index first = kNone;
+  for (int i = 0; i < 3; ++i)
+    if (first == kNone && barycentric[i] != 0) first = corners[i];
+  Vec3 sum = Vec3::Zero();
+  double total = 0;
+  for (const Index other : mesh.vertex_boundary_faces(first)) {
+    const auto& others = mesh.boundary_faces()[other];
+    bool has_all = true;
+    for (int i = 0; i < 3; ++i)
+      has_all &= barycentric[i] == 0 || std::find(others.begin(), others.end(), corners[i]) != others.end();
+    if (!has_all) continue;
+    const Vec3 part = area_normal(corners_of(others, positions));
+    sum += part;
+    total += part.norm();
+  }
+  const Vec3 normal = sum.norm() > 1e-12 * total ? sum : own;
+  const double length = normal.norm();
+  return length > 0 ? Vec3(normal / length) : Vec3(Vec3::Zero());
+}
+
+}  // namespace selvage

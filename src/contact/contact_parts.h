@@ -1,0 +1,57 @@
+#pragma once
+
+#include "selvage/boundary_path/boundary_path.h"
+#include "selvage/contact/contact.h"
+
+namespace selvage {
+
+/// A point inside an element, as a weighted sum of vertices, which is asked for its way out.
+struct PenetratingPoint {
+  ContactKind kind = ContactKind::kVertexPath;
+  Index feature = kNone;  ///< vertex, boundary edge or element
+  int count = 0;          ///< vertices
+  std::array<Index, 4> vertices{};
+  std::array<double, 4> weights{};
+  PathQuery<3> query;
+};
+
+PenetratingPoint penetrating_vertex(Index vertex, Index element, std::span<const Vec3> positions);
+/// @param middle  of the part inside the element: 0 at the edge's first vertex, 1 at its second
+PenetratingPoint penetrating_edge(Index edge, const VertexTuple<2>& vertices, double middle, Index element,
+                                  std::span<const Vec3> positions);
+PenetratingPoint penetrating_centroid(Index of_element, const VertexTuple<4>& vertices, Index element,
+                                      std::span<const Vec3> positions);
+
+/// Adds a weight to a contact: to that of the same vertex where it is listed already.
+void add_weight(Contact& contact, Index vertex, double weight);
+
+/// The contact of a point and the closest boundary point that was found for it.
+Contact path_contact(const TetMesh& mesh, const PenetratingPoint& point, const BoundaryPath<3>& path);
+
+/// Outward unit normal of the boundary at a point of a face: area-weighted over all faces that have the vertices whose
+/// barycentric coordinates there are not 0; where they cancel, the face's own. Zero where that is flat.
+Vec3 outward_normal(const TetMesh& mesh, std::span<const Vec3> positions, Index face,
+                    const std::array<double, 3>& barycentric);
+
+/// Twice the area of a triangle times its unit normal.
+inline Vec3 area_normal(const std::array<Vec3, 3>& corners) {
+  return (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+}
+
+template <std::size_t N>
+std::array<Vec3, N> corners_of(const std::array<Index, N>& vertices, std::span<const Vec3> positions) {
+  std::array<Vec3, N> corners;
+  for (std::size_t i = 0; i < N; ++i) corners[i] = positions[vertices[i]];
+  return corners;
+}
+
+/// Whether two lists of vertices have one in common.
+template <std::size_t N, std::size_t M>
+bool share_vertex(const std::array<Index, N>& a, const std::array<Index, M>& b) {
+  for (const Index v : a)
+    for (const Index w : b)
+      if (v == w) return true;
+  return false;
+}
+
+}  // namespace selvage

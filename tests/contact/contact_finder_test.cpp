@@ -1,0 +1,399 @@
+#include "selvage/contact/contact_finder.h"
+
+#include "contact/contact_parts.h"
+#include "contact/solids.h"
+#include "selvage/core/error.h"
+#include "selvage/geometry/closest_point.h"
+#include "selvage/geometry/continuous.h"
+#include "selvage/geometry/predicates.h"
+#include "selvage/mesh/poses.h"
+#include "selvage/mesh/shapes.h"
+#include "test_scale.h"
+
+#include <tbb/global_control.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+
+namespace selvage {
+namespace {
+
+using solids::Random;
+using solids::Solid;
+using test::scaled;
+using test::seed;
+using Positions = std::vector<Vec3>;
+
+std::int64_t count_of(const ContactFinder& finder, ContactKind kind) {
+  return finder.statistics().contacts[static_cast<int>(kind)];
+}
+
+std::vector<Contact> contacts_of_step(ContactFinder& finder, const Positions& t0, const Positions& t1) {
+  std::vector<Contact> contacts;
+  finder.begin_step(t0);
+  finder.find_contacts(t1, contacts);
+  return contacts;
+}
+
+std::vector<Contact> contacts_of_step(const Solid& solid, const Positions& t1, ContactOptions options,
+                                      const Positions& rest = {}) {
+  const TetMesh mesh = solid.mesh();
+  ContactFinder finder(mesh, rest, solid.positions, {}, options);
+  return contacts_of_step(finder, solid.positions, t1);
+}
+
+ContactOptions in_mode(DetectionMode mode) {
+  ContactOptions options;
+  options.mode = mode;
+  return options;
+}
+
+/// A box on the ground, and over it, by the height, a small tetrahedron with its tip down.
+Solid tip_over_box(double height) {
+  Solid tip = solids::tetrahedron({Vec3{0.5, 0.4, 1}, {0.4, 0.4, 2}, {0.6, 0.4, 2}, {0.5, 0.6, 2}});
+  for (Vec3& x : tip.positions) x[2] += height;
+  if (orientation(corners_of(tip.elements[0], tip.positions)) < 0) std::swap(tip.elements[0][2], tip.elements[0][3]);
+  return solids::together({tip, solids::box({0, 0, 0}, {1, 1, 1}, 1)});
+}
+
+Positions moved_down(Positions positions, double by) {
+  for (int i = 0; i < 4; ++i) positions[i][2] -= by;
+  return positions;
+}
+
+TEST(ContactFinder, APenetratingVertexIsSentOutByTheShortestPath) {
+  const Solid solid = tip_over_box(-0.125);
+  for (const DetectionMode mode : {DetectionMode::kDcd, DetectionMode::kHybrid}) {
+    const auto contacts = contacts_of_step(solid, solid.positions, in_mode(mode));
+    const auto contact = std::find_if(contacts.begin(), contacts.end(), [](const Contact& c) {
+      return c.kind == ContactKind::kVertexPath && c.point_feature == 0;
+    });
+    ASSERT_NE(contact, contacts.end());
+    EXPECT_EQ(contact->vertices[0], 0);
+    EXPECT_EQ(contact->weights[0], 1);
+    EXPECT_EQ(contact->normal, Vec3(0, 0, 1));
+    EXPECT_EQ(contact->point, Vec3(0.5, 0.4, 1));
+    EXPECT_EQ(contact->time, 0);
+    EXPECT_NEAR(gap_of(*contact, solid.positions), -0.125, 1e-15);
+    EXPECT_EQ(std::count_if(contacts.begin(), contacts.end(),
+                            [](const Contact& c) { return c.kind >= ContactKind::kVertexFace; }),
+              0);
+  }
+}
+
+TEST(ContactFinder, AFreeVertexThatRunsIntoAFaceMeetsItByCcdAlone) {
+  const Solid solid = tip_over_box(0.25);
+  const Positions t1 = moved_down(solid.positions, 0.5);
+  for (const DetectionMode mode : {DetectionMode::kCcd, DetectionMode::kHybrid}) {
+    const auto contacts = contacts_of_step(solid, t1, in_mode(mode));
+    ASSERT_FALSE(contacts.empty());
+    EXPECT_EQ(contacts[0].kind, ContactKind::kVertexFace);
+    EXPECT_EQ(contacts[0].point_feature, 0);
+    EXPECT_EQ(contacts[0].normal, Vec3(0, 0, 1));
+    EXPECT_NEAR(contacts[0].time, 0.5, 2e-6);
+    EXPECT_NEAR(gap_of(contacts[0], t1), -0.25, 1e-12);
+    for (const Contact& contact : contacts) EXPECT_GE(contact.kind, ContactKind::kVertexFace);
+  }
+}
+
+TEST(ContactFinder, ModesSeeWhatTheyAreMeantTo) {
+  const Solid inside = tip_over_box(-0.125), outside = tip_over_box(0.25);
+  EXPECT_TRUE(contacts_of_step(inside, inside.positions, in_mode(DetectionMode::kOff)).empty());
+  EXPECT_TRUE(contacts_of_step(outside, outside.positions, in_mode(DetectionMode::kHybrid)).empty());
+  // CCD alone is blind to what is inside already and stays there.
+  const Solid deep = tip_over_box(-0.5);
+  const auto by_ccd = contacts_of_step(deep, moved_down(deep.positions, 0.01), in_mode(DetectionMode::kCcd));
+  EXPECT_TRUE(std::none_of(by_ccd.begin(), by_ccd.end(), [](const Contact& c) { return c.point_feature == 0; }));
+  // DCD alone sees where the step ends, and nothing of what the tip has passed through.
+  EXPECT_TRUE(contacts_of_step(outside, moved_down(outside.positions, 5), in_mode(DetectionMode::kDcd)).empty());
+  EXPECT_FALSE(contacts_of_step(outside, moved_down(outside.positions, 5), in_mode(DetectionMode::kHybrid)).empty());
+}
+
+TEST(ContactFinder, TheHybridAsksWhatWasInsideForAFreshWayOut) {
+  const Solid solid = tip_over_box(-0.125);
+  const TetMesh mesh = solid.mesh();
+  ContactFinder finder(mesh, {}, solid.positions);
+  const Positions out = moved_down(solid.positions, -0.5);
+  EXPECT_TRUE(contacts_of_step(finder, solid.positions, out).empty()) << "it has left by itself";
+  EXPECT_EQ(finder.penetrating_vertices().front(), 0);
+  EXPECT_EQ(finder.statistics().penetrating_vertices, std::ssize(finder.penetrating_vertices()));
+  EXPECT_EQ(finder.statistics().pose_updates, 0);
+  EXPECT_FALSE(contacts_of_step(finder, out, solid.positions).empty()) << "and comes in again, as a free one";
+  EXPECT_EQ(count_of(finder, ContactKind::kVertexPath), 0);
+  EXPECT_GT(count_of(finder, ContactKind::kVertexFace), 0);
+  EXPECT_TRUE(finder.penetrating_vertices().empty());
+}
+
+/// Two tetrahedra, each with an edge that cuts into the other; no vertex is inside.
+Solid crossing_edges(double depth) {
+  const Vec3 down{0, 0, -depth};
+  return solids::together({solids::tetrahedron({Vec3{-1, 0, 0}, {1, 0, 0}, {0, -1, -1}, {0, 1, -1}}),
+                           solids::tetrahedron({Vec3{0, -1, 0} + down, Vec3{0, 1, 0} + down, Vec3{1, 0, 1} + down,
+                                                Vec3{-1, 0, 1} + down})});
+}
+
+TEST(ContactFinder, AnEdgeThroughAnElementHasItsMiddleSentOut) {
+  Solid solid = crossing_edges(0.25);
+  for (auto& element : solid.elements)
+    if (orientation(corners_of(element, solid.positions)) < 0) std::swap(element[0], element[1]);
+  const TetMesh mesh = solid.mesh();
+  ContactFinder finder(mesh, {}, solid.positions, {}, in_mode(DetectionMode::kDcd));
+  const auto contacts = contacts_of_step(finder, solid.positions, solid.positions);
+  EXPECT_EQ(count_of(finder, ContactKind::kVertexPath), 0);
+  ASSERT_EQ(count_of(finder, ContactKind::kEdgePath), 2);
+  for (const Contact& contact : contacts) {
+    const auto& edge = finder.surface().edges()[contact.point_feature];
+    EXPECT_EQ(contact.vertices[0], edge[0]);
+    EXPECT_EQ(contact.vertices[1], edge[1]);
+    EXPECT_NEAR(contact.weights[0], 0.5, 1e-12);
+    EXPECT_NEAR(std::abs(contact.normal[2]), std::sqrt(0.5), 1e-12) << "a face of the ridge";
+    EXPECT_NEAR(gap_of(contact, solid.positions), -0.25 * std::sqrt(0.5), 1e-12);
+  }
+  ContactOptions no_edges = in_mode(DetectionMode::kDcd);
+  no_edges.detect_edges = false;
+  EXPECT_TRUE(contacts_of_step(solid, solid.positions, no_edges).empty());
+}
+
+TEST(ContactFinder, EdgesThatRunIntoEachOtherMeetByCcd) {
+  Solid solid = crossing_edges(-0.25);
+  const auto contacts = contacts_of_step(solid, crossing_edges(0.25).positions, {});
+  ASSERT_EQ(contacts.size(), 1);
+  EXPECT_EQ(contacts[0].kind, ContactKind::kEdgeEdge);
+  EXPECT_NEAR(contacts[0].time, 0.5, 2e-6);
+  EXPECT_NEAR(std::abs(contacts[0].normal[2]), 1, 1e-12);
+  EXPECT_NEAR(gap_of(contacts[0], crossing_edges(0.25).positions), -0.25, 1e-12);
+  EXPECT_NEAR(gap_of(contacts[0], solid.positions), 0.25, 1e-12);
+  ContactOptions no_edges;
+  no_edges.detect_edges = false;
+  EXPECT_TRUE(contacts_of_step(solid, crossing_edges(0.25).positions, no_edges).empty());
+}
+
+TEST(ContactFinder, CompleteOverlapsNeedInnerPoints) {
+  // One box almost in the place of the other: their surfaces tell little of the volume that they share.
+  Solid solid = solids::together({solids::box({0, 0, 0}, {1, 1, 1}, 0.25), solids::box({0, 0, 0}, {1, 1, 1}, 0.25)});
+  for (std::size_t v = solid.positions.size() / 2; v < solid.positions.size(); ++v)
+    solid.positions[v] += Vec3(0.01, 0.013, 0.007);
+  const TetMesh mesh = solid.mesh();
+  ContactOptions options;
+  options.interior_points = true;
+  ContactFinder finder(mesh, {}, solid.positions, {}, options);
+  const auto contacts = contacts_of_step(finder, solid.positions, solid.positions);
+  EXPECT_GT(count_of(finder, ContactKind::kCentroidPath), mesh.element_count() / 2);
+  EXPECT_EQ(count_of(finder, ContactKind::kVertexFace) + count_of(finder, ContactKind::kEdgeEdge), 0);
+  std::int64_t inner = 0, outer = 0;
+  for (const Contact& contact : contacts) {
+    if (contact.kind == ContactKind::kVertexPath)
+      ++(mesh.vertex_boundary_faces(contact.point_feature).empty() ? inner : outer);
+    double sum = 0;
+    for (int i = 0; i < contact.count; ++i) sum += contact.weights[i];
+    EXPECT_NEAR(sum, 0, 1e-14);
+    EXPECT_LE(gap_of(contact, solid.positions), 1e-14);
+    for (int i = 0; i < contact.count; ++i)
+      for (int k = 0; k < i; ++k) EXPECT_NE(contact.vertices[i], contact.vertices[k]);
+  }
+  EXPECT_GT(inner, 0);
+  EXPECT_GT(outer, 0);
+}
+
+class ContactFinderOf : public testing::TestWithParam<solids::Family> {};
+
+void keep_least(std::map<Index, double>& least, Index i, double value) {
+  const auto [place, is_new] = least.try_emplace(i, value);
+  place->second = std::min(place->second, value);
+}
+
+/// All pairs of the boundary, decided and timed one by one.
+std::map<Index, double> first_times_of_vertices(const ContactFinder& finder, const Positions& t0, const Positions& t1) {
+  std::map<Index, double> first;
+  const TriangleMesh& surface = finder.surface();
+  for (Index v = 0; v < surface.vertex_count(); ++v)
+    for (const auto& face : surface.triangles()) {
+      if (surface.vertex_triangles(v).empty() || share_vertex(std::array{v}, face)) continue;
+      MovingPoints points{{t0[v], t0[face[0]], t0[face[1]], t0[face[2]]},
+                          {t1[v], t1[face[0]], t1[face[1]], t1[face[2]]}};
+      if (const auto time = vertex_face_impact(points)) keep_least(first, v, *time);
+    }
+  return first;
+}
+
+std::map<std::pair<Index, Index>, double> times_of_edges(const ContactFinder& finder, const Positions& t0,
+                                                         const Positions& t1) {
+  std::map<std::pair<Index, Index>, double> all;
+  const auto edges = finder.surface().edges();
+  for (Index i = 0; i < std::ssize(edges); ++i)
+    for (Index k = i + 1; k < std::ssize(edges); ++k) {
+      const auto &a = edges[i], &b = edges[k];
+      if (share_vertex(a, b)) continue;
+      MovingPoints points{{t0[a[0]], t0[a[1]], t0[b[0]], t0[b[1]]}, {t1[a[0]], t1[a[1]], t1[b[0]], t1[b[1]]}};
+      if (const auto time = edge_edge_impact(points)) all[{i, k}] = *time;
+    }
+  return all;
+}
+
+TEST_P(ContactFinderOf, SplitsPointsAndGivesEachItsContacts) {
+  Random random(seed(5));
+  const Solid solid = GetParam().make(random);
+  const TetMesh mesh = solid.mesh();
+  ContactFinder finder(mesh, {}, solid.positions);
+  Positions t0 = solid.positions;
+  for (std::int64_t step = 0; step < scaled(3); ++step) {
+    Positions t1 = t0;
+    for (Vec3& x : t1) x += random.vector(0.1);
+    const auto contacts = contacts_of_step(finder, t0, t1);
+    const auto inside_t0 = BoundaryPathFinder<3>(mesh, t0).find_penetrating_vertices();
+    std::vector<Index> inside;
+    for (const auto& query : inside_t0)
+      if (inside.empty() || inside.back() != query.source[0]) inside.push_back(query.source[0]);
+    EXPECT_TRUE(std::ranges::equal(finder.penetrating_vertices(), inside));
+    const auto is_inside = [&](Index v) { return std::binary_search(inside.begin(), inside.end(), v); };
+    const auto edges_inside = finder.penetrating_edges();
+    const auto is_edge_inside = [&](Index e) {
+      return std::binary_search(edges_inside.begin(), edges_inside.end(), e);
+    };
+
+    auto first_times = first_times_of_vertices(finder, t0, t1);
+    std::erase_if(first_times, [&](const auto& item) { return is_inside(item.first); });
+    auto edge_times = times_of_edges(finder, t0, t1);
+    std::erase_if(edge_times, [&](const auto& item) {
+      return is_edge_inside(item.first.first) || is_edge_inside(item.first.second);
+    });
+    std::map<Index, double> first_of_edge;
+    for (const auto& [pair, time] : edge_times)
+      for (const Index e : {pair.first, pair.second}) keep_least(first_of_edge, e, time);
+
+    std::size_t vertices = 0;
+    std::map<Index, int> edges;
+    for (const Contact& contact : contacts) {
+      if (contact.kind == ContactKind::kVertexPath) {
+        EXPECT_TRUE(is_inside(contact.point_feature));
+      } else if (contact.kind == ContactKind::kEdgePath) {
+        EXPECT_TRUE(is_edge_inside(contact.point_feature));
+      } else if (contact.kind == ContactKind::kVertexFace) {
+        ++vertices;
+        ASSERT_TRUE(first_times.contains(contact.point_feature));
+        EXPECT_EQ(contact.time, first_times[contact.point_feature]);
+      } else {
+        const auto found = edge_times.find({contact.point_feature, contact.surface_feature});
+        ASSERT_NE(found, edge_times.end());
+        EXPECT_EQ(contact.time, found->second);
+        for (const Index e : {contact.point_feature, contact.surface_feature}) {
+          auto [place, is_new] = edges.try_emplace(e, 0);
+          place->second += contact.time == first_of_edge[e];
+        }
+      }
+    }
+    EXPECT_EQ(vertices, first_times.size());
+    for (const auto& [edge, time] : first_of_edge) EXPECT_GE(edges[edge], 1) << "edge " << edge << " at " << time;
+    t0 = t1;
+  }
+}
+
+TEST_P(ContactFinderOf, SendsEachPenetratingPointWhereItsShortestPathLeads) {
+  Random random(seed(6));
+  const Solid solid = GetParam().make(random);
+  const TetMesh mesh = solid.mesh();
+  ContactFinder finder(mesh, {}, solid.positions, {}, in_mode(DetectionMode::kDcd));
+  const auto contacts = contacts_of_step(finder, solid.positions, solid.positions);
+  const BoundaryPathFinder<3> paths(mesh, solid.positions);
+  const auto queries = paths.find_penetrating_vertices();
+  const auto expected = paths.find_paths(queries);
+  std::map<Index, std::vector<Vec3>> points;
+  for (std::size_t i = 0; i < queries.size(); ++i)
+    if (expected[i].status == PathStatus::kFound && expected[i].normal.norm() > 0)
+      points[queries[i].source[0]].push_back(expected[i].point);
+  std::map<Index, std::vector<Vec3>> found;
+  for (const Contact& contact : contacts)
+    if (contact.kind == ContactKind::kVertexPath) found[contact.point_feature].push_back(contact.point);
+  ASSERT_EQ(found.size(), points.size());
+  for (const auto& [vertex, places] : points)
+    for (const Vec3& place : places)
+      EXPECT_NE(std::find(found[vertex].begin(), found[vertex].end(), place), found[vertex].end());
+}
+
+INSTANTIATE_TEST_SUITE_P(Families, ContactFinderOf, testing::ValuesIn(solids::families()),
+                         [](const auto& family) { return family.param.name; });
+
+bool same_bits(const Contact& a, const Contact& b) {
+  return a.kind == b.kind && a.count == b.count && a.vertices == b.vertices && a.point_feature == b.point_feature &&
+         a.surface_feature == b.surface_feature &&
+         std::memcmp(a.weights.data(), b.weights.data(), sizeof a.weights) == 0 &&
+         std::memcmp(a.normal.data(), b.normal.data(), sizeof(double) * 3) == 0 &&
+         std::memcmp(a.point.data(), b.point.data(), sizeof(double) * 3) == 0 && a.time == b.time;
+}
+
+TEST(ContactFinder, GivesTheSameBitsForAnyNumberOfThreads) {
+  MeshFile file = make_octopus(1, 0.065, 1);
+  apply_pose(file, "swirl");
+  const Solid solid = solids::of(file);
+  const TetMesh mesh = solid.mesh();
+  for (const bool interior : {false, true}) {
+    std::vector<std::vector<Contact>> first;
+    for (const int threads : {1, 2, 4}) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+      ContactOptions options;
+      options.interior_points = interior;
+      ContactFinder finder(mesh, {}, solid.positions, {}, options);
+      Positions t0 = solid.positions;
+      Random random(seed(7));
+      for (std::size_t step = 0; step < 3; ++step) {
+        Positions t1 = t0;
+        for (Vec3& x : t1) x += random.vector(0.01);
+        const auto contacts = contacts_of_step(finder, t0, t1);
+        EXPECT_GT(contacts.size(), 0);
+        if (threads == 1) first.push_back(contacts);
+        ASSERT_EQ(contacts.size(), first[step].size());
+        EXPECT_TRUE(std::equal(contacts.begin(), contacts.end(), first[step].begin(), same_bits));
+        t0 = t1;
+      }
+    }
+  }
+}
+
+TEST(ContactFinder, StatisticsAddUp) {
+  const Solid solid =
+      solids::together({solids::box({0, 0, 0}, {1, 1, 1}, 0.3), solids::box({0.8, 0.1, 0.1}, {2, 1.1, 1.1}, 0.3)});
+  const TetMesh mesh = solid.mesh();
+  ContactFinder finder(mesh, {}, solid.positions);
+  Positions t1 = solid.positions;
+  for (Vec3& x : t1) x[0] *= 0.99;
+  const auto contacts = contacts_of_step(finder, solid.positions, t1);
+  const ContactStatistics& statistics = finder.statistics();
+  std::int64_t sum = 0;
+  for (const std::int64_t count : statistics.contacts) sum += count;
+  EXPECT_EQ(sum, std::ssize(contacts));
+  EXPECT_GT(statistics.penetrating_vertices, 0);
+  EXPECT_GT(statistics.penetrating_edges, 0);
+  EXPECT_GT(statistics.path_queries, 0);
+  EXPECT_EQ(statistics.pose_updates, 1);
+  EXPECT_GT(statistics.paths.volumes_visited, 0);
+  EXPECT_GT(statistics.penetrations.elements_tested, 0);
+  EXPECT_TRUE(std::is_sorted(contacts.begin(), contacts.end(), [](const Contact& a, const Contact& b) {
+    return std::pair(a.kind, a.point_feature) < std::pair(b.kind, b.point_feature);
+  }));
+  contacts_of_step(finder, t1, t1);
+  EXPECT_LE(finder.statistics().pose_updates, 1) << "of this step alone";
+}
+
+TEST(ContactFinder, RefusesWhatDoesNotFit) {
+  const Solid solid = tip_over_box(0.1);
+  const TetMesh mesh = solid.mesh();
+  Positions short_one(solid.positions.begin(), solid.positions.end() - 1), broken = solid.positions;
+  broken[3][1] = std::nan("");
+  EXPECT_THROW(ContactFinder(mesh, {}, short_one), Error);
+  EXPECT_THROW(ContactFinder(mesh, {}, broken), Error);
+  const std::vector<Index> few_objects{0, 1};
+  EXPECT_THROW(ContactFinder(mesh, {}, solid.positions, few_objects), Error);
+  ContactOptions rest;
+  rest.rule = ClosestPointRule::kRestPose;
+  EXPECT_THROW(ContactFinder(mesh, {}, solid.positions, {}, rest), Error);
+  ContactFinder finder(mesh, {}, solid.positions);
+  std::vector<Contact> contacts;
+  EXPECT_THROW(finder.begin_step(broken), Error);
+  EXPECT_THROW(finder.find_contacts(short_one, contacts), Error);
+}
+
+}  // namespace
+}  // namespace selvage

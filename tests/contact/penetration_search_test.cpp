@@ -1,0 +1,263 @@
+#include "contact/penetration_search.h"
+
+#include "contact/clearance.h"
+#include "contact/contact_parts.h"
+#include "contact/edge_part.h"
+#include "contact/solids.h"
+#include "selvage/boundary_path/boundary_path.h"
+#include "selvage/geometry/closest_point.h"
+#include "selvage/geometry/predicates.h"
+#include "selvage/mesh/shapes.h"
+#include "test_scale.h"
+
+#include <tbb/global_control.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace selvage {
+namespace {
+
+using solids::Random;
+using solids::Solid;
+using test::scaled;
+using test::seed;
+
+TriangleMesh surface_of(const TetMesh& mesh) {
+  return {mesh.vertex_count(), {mesh.boundary_faces().begin(), mesh.boundary_faces().end()}};
+}
+
+bool is_inverted_at_the_boundary(const TetMesh& mesh, Index element, std::span<const Vec3> x) {
+  const auto& across = mesh.neighbours()[element];
+  return std::count_if(across.begin(), across.end(), [](Index n) { return n < 0; }) > 0 &&
+         orientation(corners_of(mesh.elements()[element], x)) < 0;
+}
+
+/// Every feature with every element.
+std::vector<Penetration> all_pairs(const TetMesh& mesh, const TriangleMesh& surface, std::span<const Vec3> x) {
+  std::vector<Penetration> found;
+  const auto vertices = mesh.boundary_vertices();
+  for (Index i = 0; i < std::ssize(vertices); ++i)
+    for (Index e = 0; e < mesh.element_count(); ++e)
+      if (!share_vertex(std::array{vertices[i]}, mesh.elements()[e]) && !is_inverted_at_the_boundary(mesh, e, x) &&
+          locate_in_simplex<3>(corners_of(mesh.elements()[e], x), x[vertices[i]]).inside)
+        found.push_back({i, e});
+  for (Index i = 0; i < surface.edge_count(); ++i) {
+    std::optional<Penetration> best;
+    for (Index e = 0; e < mesh.element_count(); ++e) {
+      if (share_vertex(surface.edges()[i], mesh.elements()[e]) || is_inverted_at_the_boundary(mesh, e, x)) continue;
+      const auto middle = middle_of_part(corners_of(surface.edges()[i], x), corners_of(mesh.elements()[e], x));
+      if (middle && (!best || std::abs(*middle - 0.5) < std::abs(best->middle - 0.5)))
+        best = {static_cast<Index>(vertices.size()) + i, e, *middle};
+    }
+    if (best) found.push_back(*best);
+  }
+  return found;
+}
+
+void expect_same(std::span<const Penetration> a, std::span<const Penetration> b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].feature, b[i].feature);
+    EXPECT_EQ(a[i].element, b[i].element);
+    EXPECT_EQ(a[i].middle, b[i].middle);
+  }
+}
+
+class PenetrationSearchOf : public testing::TestWithParam<solids::Family> {};
+
+TEST_P(PenetrationSearchOf, IsThatOfAllPairsInEveryPoseOfEveryMotion) {
+  Random random(seed(1));
+  for (const solids::Motion& motion : solids::motions()) {
+    SCOPED_TRACE(motion.name);
+    Solid solid = GetParam().make(random);
+    const TetMesh mesh = solid.mesh();
+    const TriangleMesh surface = surface_of(mesh);
+    PenetrationSearch search(mesh, surface, true, solid.positions);
+    for (std::int64_t step = 0; step < scaled(6); ++step) {
+      PenetrationCounters counters;
+      search.place(solid.positions);
+      const auto expected = all_pairs(mesh, surface, solid.positions);
+      const auto found = search.find_all(counters);
+      expect_same(found, expected);
+      std::vector<Index> features;
+      for (const Penetration& p : expected)
+        if (features.empty() || features.back() != p.feature) features.push_back(p.feature);
+      expect_same(search.find(features, counters), expected);
+      if (HasFailure()) return;
+      motion.move(solid.positions, random);
+    }
+  }
+}
+
+TEST_P(PenetrationSearchOf, FindsTheVerticesThatTheElementsHierarchyFinds) {
+  Random random(seed(2));
+  Solid solid = GetParam().make(random);
+  const TetMesh mesh = solid.mesh();
+  const TriangleMesh surface = surface_of(mesh);
+  PenetrationSearch search(mesh, surface, false, solid.positions);
+  for (int step = 0; step < 5; ++step) {
+    for (Vec3& x : solid.positions) x += random.vector(0.05);
+    PenetrationCounters counters;
+    search.place(solid.positions);
+    const auto expected = BoundaryPathFinder<3>(mesh, solid.positions).find_penetrating_vertices();
+    const auto found = search.find_all(counters);
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      EXPECT_EQ(search.vertex_of(found[i].feature), expected[i].source[0]);
+      EXPECT_EQ(found[i].element, expected[i].element);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Families, PenetrationSearchOf, testing::ValuesIn(solids::families()),
+                         [](const auto& family) { return family.param.name; });
+
+/// Two balls that fly towards each other and turn, apart at first.
+struct Flight {
+  Solid solid = solids::together({solids::of(make_ball(1, 0.15)), solids::of(make_ball(1, 0.15))});
+  std::vector<Vec3> start = solid.positions;
+
+  std::span<const Vec3> at(int step) {
+    const std::size_t half = start.size() / 2;
+    for (std::size_t i = 0; i < start.size(); ++i) {
+      const double side = i < half ? -1 : 1;
+      const Eigen::AngleAxisd turn(side * 0.002 * step, Vec3(1, 0.5, 0.2).normalized());
+      solid.positions[i] = turn * Vec3(start[i]) + Vec3(side * (1.3 - 0.01 * step), 0, 5.0 * step);
+    }
+    return solid.positions;
+  }
+};
+
+TEST(PenetrationSearch, LooksAtFewFeaturesOfAMotionInSmallSteps) {
+  Flight flight;
+  const TetMesh mesh = flight.solid.mesh();
+  const TriangleMesh surface = surface_of(mesh);
+  PenetrationSearch search(mesh, surface, true, flight.at(0));
+  PenetrationCounters counters;
+  std::int64_t held = 0;
+  for (int step = 0; step < 60; ++step) {
+    search.place(flight.at(step));
+    held += std::ssize(search.find_all(counters));
+  }
+  EXPECT_GT(held, 0);
+  EXPECT_EQ(counters.features, 60 * search.feature_count());
+  EXPECT_LT(counters.searched, counters.features);
+  EXPECT_LE(counters.references_taken, 10);
+}
+
+TEST(PenetrationSearch, IsTheSameForAnyNumberOfThreads) {
+  std::vector<std::vector<Penetration>> first;
+  PenetrationCounters first_counters;
+  for (const int threads : {1, 2, 4}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    Flight flight;
+    const TetMesh mesh = flight.solid.mesh();
+    const TriangleMesh surface = surface_of(mesh);
+    PenetrationSearch search(mesh, surface, true, flight.at(0));
+    PenetrationCounters counters;
+    std::vector<std::vector<Penetration>> all;
+    for (int step = 30; step < 50; step += 4) {
+      search.place(flight.at(step));
+      all.push_back(search.find_all(counters));
+    }
+    if (first.empty()) {
+      first = all;
+      first_counters = counters;
+    }
+    ASSERT_EQ(all.size(), first.size());
+    for (std::size_t i = 0; i < all.size(); ++i) expect_same(all[i], first[i]);
+    EXPECT_EQ(counters.searched, first_counters.searched);
+    EXPECT_EQ(counters.elements_tested, first_counters.elements_tested);
+    EXPECT_EQ(counters.references_taken, first_counters.references_taken);
+  }
+}
+
+const std::array<Vec3, 4> kCorner{Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
+
+TEST(MiddleOfPart, ByHandInAllOrders) {
+  const std::array<Vec3, 2> through{Vec3{-1, 0.25, 0.25}, Vec3{1, 0.25, 0.25}};  // inside from x = 0 to x = 0.5
+  std::array<int, 4> order{0, 1, 2, 3};
+  do {
+    std::array<Vec3, 4> corners;
+    for (int i = 0; i < 4; ++i) corners[i] = kCorner[order[i]];
+    ASSERT_TRUE(middle_of_part(through, corners));
+    EXPECT_DOUBLE_EQ(*middle_of_part(through, corners), 0.625);
+    EXPECT_DOUBLE_EQ(*middle_of_part({through[1], through[0]}, corners), 0.375);
+    EXPECT_DOUBLE_EQ(*middle_of_part({Vec3{0.1, 0.1, 0.1}, Vec3{0.3, 0.1, 0.1}}, corners), 0.5);
+    EXPECT_FALSE(middle_of_part({Vec3{-1, 1, 1}, Vec3{1, 1, 1}}, corners));
+    EXPECT_FALSE(middle_of_part({Vec3{-2, 0.25, 0.25}, Vec3{-1, 0.25, 0.25}}, corners));
+  } while (std::next_permutation(order.begin(), order.end()));
+}
+
+TEST(MiddleOfPart, IsWithinWhatSamplesFindInside) {
+  Random random(seed(3));
+  int inside_count = 0;
+  for (std::int64_t n = 0; n < scaled(3000); ++n) {
+    std::array<Vec3, 4> corners;
+    for (Vec3& x : corners) x = random.vector(1);
+    const std::array<Vec3, 2> segment{random.vector(1), random.vector(1)};
+    constexpr int kSamples = 200;
+    double first = 2, last = -1;
+    for (int i = 0; i <= kSamples; ++i) {
+      const double t = static_cast<double>(i) / kSamples;
+      if (!locate_in_simplex<3>(corners, (1 - t) * segment[0] + t * segment[1]).inside) continue;
+      first = std::min(first, t);
+      last = std::max(last, t);
+    }
+    const auto middle = middle_of_part(segment, corners);
+    if (first <= last) {
+      ++inside_count;
+      ASSERT_TRUE(middle);
+      EXPECT_NEAR(*middle, (first + last) / 2, 1.0 / kSamples + 1e-12);
+    } else if (middle) {
+      EXPECT_TRUE(locate_in_simplex<3>(corners, segment[0] + *middle * (segment[1] - segment[0])).inside);
+    }
+  }
+  EXPECT_GT(inside_count, 0);
+}
+
+TEST(MiddleOfPart, FlatTetrahedraHoldNothing) {
+  const std::array<Vec3, 4> flat{Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{1, 1, 0}};
+  EXPECT_FALSE(middle_of_part({Vec3{0.2, 0.2, -1}, Vec3{0.2, 0.2, 1}}, flat));
+  EXPECT_FALSE(middle_of_part({Vec3{0.1, 0.2, 0}, Vec3{0.4, 0.2, 0}}, flat));
+}
+
+TEST(DistanceBound, IsNeverAboveTheDistance) {
+  Random random(seed(4));
+  double tightness = 0;
+  const std::int64_t count = scaled(5000);
+  for (std::int64_t n = 0; n < count; ++n) {
+    std::array<Vec3, 4> corners;
+    for (Vec3& x : corners) x = random.vector(1);
+    if (n % 5 == 0) corners[3] = (corners[0] + corners[1] + corners[2]) / 3;
+    const Vec3 p = random.vector(2);
+    const double distance =
+        std::sqrt(closest_point_on_tetrahedron(p, corners[0], corners[1], corners[2], corners[3]).squared_distance);
+    const double bound = distance_bound({p, p}, corners);
+    EXPECT_LE(bound, distance * (1 + 1e-12) + 1e-14);
+    if (distance > 0) tightness += bound / distance;
+    const Vec3 q = random.vector(2);
+    for (int i = 0; i < 20; ++i) {
+      const double t = random.unit();
+      const Vec3 x = (1 - t) * p + t * q;
+      EXPECT_LE(
+          distance_bound({p, q}, corners),
+          std::sqrt(closest_point_on_tetrahedron(x, corners[0], corners[1], corners[2], corners[3]).squared_distance) +
+              1e-14);
+    }
+  }
+  EXPECT_GT(tightness / static_cast<double>(count), 0.6);
+}
+
+TEST(DistanceBound, OfAPointOverAFaceIsItsHeight) {
+  EXPECT_DOUBLE_EQ(distance_bound({Vec3{0.2, 0.2, -0.7}, Vec3{0.2, 0.2, -0.7}}, kCorner), 0.7);
+  const Vec3 over = Vec3{0.2, 0.3, 0.5} + Vec3::Constant(0.5);
+  EXPECT_NEAR(distance_bound({over, over}, kCorner), 0.5 * std::sqrt(3.0), 1e-15);
+  EXPECT_EQ(distance_bound({Vec3{0.2, 0.2, 0.2}, Vec3{2, 2, 2}}, kCorner), 0);
+}
+
+}  // namespace
+}  // namespace selvage
