@@ -1,0 +1,213 @@
+#pragma once
+
+#include "selvage/core/simd.h"
+#include "selvage/core/types.h"
+
+/// As many doubles as a register holds, by the rules of core/simd.h: 8, 4, 2, or 1 where there are no intrinsics. Code
+/// that treats lanes alike, and loops over parts of WideDouble::kLanes, gives the same bits with each.
+namespace selvage {
+inline namespace SELVAGE_ISA {
+
+#if defined(__AVX512BW__) && !defined(SELVAGE_SIMD_SCALAR)
+
+struct WideDouble {
+  static constexpr int kLanes = 8;
+  __m512d v;
+
+  SELVAGE_INLINE static WideDouble load(const double* p) { return {_mm512_loadu_pd(p)}; }
+  SELVAGE_INLINE static WideDouble broadcast(double x) { return {_mm512_set1_pd(x)}; }
+  SELVAGE_INLINE void store(double* p) const { _mm512_storeu_pd(p, v); }
+};
+SELVAGE_INLINE WideDouble operator+(WideDouble a, WideDouble b) {
+  return {_mm512_add_pd(a.v, b.v)};
+}
+SELVAGE_INLINE WideDouble operator-(WideDouble a, WideDouble b) {
+  return {_mm512_sub_pd(a.v, b.v)};
+}
+SELVAGE_INLINE WideDouble operator*(WideDouble a, WideDouble b) {
+  return {_mm512_mul_pd(a.v, b.v)};
+}
+SELVAGE_INLINE WideDouble operator/(WideDouble a, WideDouble b) {
+  return {_mm512_div_pd(a.v, b.v)};
+}
+// Masked by all lanes: of the plain intrinsics GCC 12 says that they read what was never written. So below.
+SELVAGE_INLINE WideDouble max(WideDouble a, WideDouble b) {
+  return {_mm512_maskz_max_pd(0xff, a.v, b.v)};
+}
+SELVAGE_INLINE WideDouble sqrt(WideDouble a) {
+  return {_mm512_maskz_sqrt_pd(0xff, a.v)};
+}
+
+/// The rows of four in columns: lane i of column k is number k of row i, row i being at rows + 4 * index[i].
+SELVAGE_INLINE void load_rows(const double* rows, const Index* index, WideDouble (&column)[4]);
+/// The other way round.
+SELVAGE_INLINE void store_rows(const WideDouble (&column)[4], double* rows, const Index* index);
+
+/// Its own inverse, with rows i and i + 4 in the two halves of register i.
+SELVAGE_INLINE void transpose_rows(const __m512d (&r)[4], __m512d (&c)[4]) {
+  const __m512i even = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13), odd = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
+  const __m512d ab_low = _mm512_maskz_unpacklo_pd(0xff, r[0], r[1]),
+                ab_high = _mm512_maskz_unpackhi_pd(0xff, r[0], r[1]);
+  const __m512d cd_low = _mm512_maskz_unpacklo_pd(0xff, r[2], r[3]),
+                cd_high = _mm512_maskz_unpackhi_pd(0xff, r[2], r[3]);
+  c[0] = _mm512_permutex2var_pd(ab_low, even, cd_low);
+  c[1] = _mm512_permutex2var_pd(ab_high, even, cd_high);
+  c[2] = _mm512_permutex2var_pd(ab_low, odd, cd_low);
+  c[3] = _mm512_permutex2var_pd(ab_high, odd, cd_high);
+}
+SELVAGE_INLINE void load_rows(const double* rows, const Index* index, WideDouble (&column)[4]) {
+  __m512d r[4], c[4];
+  for (int i = 0; i < 4; ++i)
+    r[i] = _mm512_maskz_insertf64x4(
+        0xff, _mm512_castpd256_pd512(_mm256_loadu_pd(rows + 4 * static_cast<std::int64_t>(index[i]))),
+        _mm256_loadu_pd(rows + 4 * static_cast<std::int64_t>(index[i + 4])), 1);
+  transpose_rows(r, c);
+  for (int k = 0; k < 4; ++k) column[k].v = c[k];
+}
+SELVAGE_INLINE void store_rows(const WideDouble (&column)[4], double* rows, const Index* index) {
+  __m512d r[4];
+  const __m512d c[4] = {column[0].v, column[1].v, column[2].v, column[3].v};
+  transpose_rows(c, r);
+  for (int i = 0; i < 4; ++i) {
+    _mm256_storeu_pd(rows + 4 * static_cast<std::int64_t>(index[i]), _mm512_maskz_extractf64x4_pd(0xf, r[i], 0));
+    _mm256_storeu_pd(rows + 4 * static_cast<std::int64_t>(index[i + 4]), _mm512_maskz_extractf64x4_pd(0xf, r[i], 1));
+  }
+}
+
+#elif defined(SELVAGE_SIMD_AVX2)
+
+struct WideDouble {
+  static constexpr int kLanes = 4;
+  __m256d v;
+
+  SELVAGE_INLINE static WideDouble load(const double* p) { return {_mm256_loadu_pd(p)}; }
+  SELVAGE_INLINE static WideDouble broadcast(double x) { return {_mm256_set1_pd(x)}; }
+  SELVAGE_INLINE void store(double* p) const { _mm256_storeu_pd(p, v); }
+};
+SELVAGE_INLINE WideDouble operator+(WideDouble a, WideDouble b) {
+  return {_mm256_add_pd(a.v, b.v)};
+}
+SELVAGE_INLINE WideDouble operator-(WideDouble a, WideDouble b) {
+  return {_mm256_sub_pd(a.v, b.v)};
+}
+SELVAGE_INLINE WideDouble operator*(WideDouble a, WideDouble b) {
+  return {_mm256_mul_pd(a.v, b.v)};
+}
+SELVAGE_INLINE WideDouble operator/(WideDouble a, WideDouble b) {
+  return {_mm256_div_pd(a.v, b.v)};
+}
+SELVAGE_INLINE WideDouble max(WideDouble a, WideDouble b) {
+  return {_mm256_max_pd(a.v, b.v)};
+}
+SELVAGE_INLINE WideDouble sqrt(WideDouble a) {
+  return {_mm256_sqrt_pd(a.v)};
+}
+
+/// Its own inverse.
+SELVAGE_INLINE void transpose_rows(const __m256d (&r)[4], __m256d (&c)[4]) {
+  const __m256d ab_low = _mm256_unpacklo_pd(r[0], r[1]), ab_high = _mm256_unpackhi_pd(r[0], r[1]);
+  const __m256d cd_low = _mm256_unpacklo_pd(r[2], r[3]), cd_high = _mm256_unpackhi_pd(r[2], r[3]);
+  c[0] = _mm256_permute2f128_pd(ab_low, cd_low, 0x20);
+  c[1] = _mm256_permute2f128_pd(ab_high, cd_high, 0x20);
+  c[2] = _mm256_permute2f128_pd(ab_low, cd_low, 0x31);
+  c[3] = _mm256_permute2f128_pd(ab_high, cd_high, 0x31);
+}
+SELVAGE_INLINE void load_rows(const double* rows, const Index* index, WideDouble (&column)[4]) {
+  __m256d r[4], c[4];
+  for (int i = 0; i < 4; ++i) r[i] = _mm256_loadu_pd(rows + 4 * static_cast<std::int64_t>(index[i]));
+  transpose_rows(r, c);
+  for (int k = 0; k < 4; ++k) column[k].v = c[k];
+}
+SELVAGE_INLINE void store_rows(const WideDouble (&column)[4], double* rows, const Index* index) {
+  __m256d r[4];
+  const __m256d c[4] = {column[0].v, column[1].v, column[2].v, column[3].v};
+  transpose_rows(c, r);
+  for (int i = 0; i < 4; ++i) _mm256_storeu_pd(rows + 4 * static_cast<std::int64_t>(index[i]), r[i]);
+}
+
+#elif defined(SELVAGE_SIMD_SSE2)
+
+struct WideDouble {
+  static constexpr int kLanes = 2;
+  __m128d v;
+
+  SELVAGE_INLINE static WideDouble load(const double* p) { return {_mm_loadu_pd(p)}; }
+  SELVAGE_INLINE static WideDouble broadcast(double x) { return {_mm_set1_pd(x)}; }
+  SELVAGE_INLINE void store(double* p) const { _mm_storeu_pd(p, v); }
+};
+SELVAGE_INLINE WideDouble operator+(WideDouble a, WideDouble b) {
+  return {_mm_add_pd(a.v, b.v)};
+}
+SELVAGE_INLINE WideDouble operator-(WideDouble a, WideDouble b) {
+  return {_mm_sub_pd(a.v, b.v)};
+}
+SELVAGE_INLINE WideDouble operator*(WideDouble a, WideDouble b) {
+  return {_mm_mul_pd(a.v, b.v)};
+}
+SELVAGE_INLINE WideDouble operator/(WideDouble a, WideDouble b) {
+  return {_mm_div_pd(a.v, b.v)};
+}
+SELVAGE_INLINE WideDouble max(WideDouble a, WideDouble b) {
+  return {_mm_max_pd(a.v, b.v)};
+}
+SELVAGE_INLINE WideDouble sqrt(WideDouble a) {
+  return {_mm_sqrt_pd(a.v)};
+}
+
+SELVAGE_INLINE void load_rows(const double* rows, const Index* index, WideDouble (&column)[4]) {
+  const double* const a = rows + 4 * static_cast<std::int64_t>(index[0]);
+  const double* const b = rows + 4 * static_cast<std::int64_t>(index[1]);
+  for (int k = 0; k < 4; k += 2) {
+    const __m128d of_a = _mm_loadu_pd(a + k), of_b = _mm_loadu_pd(b + k);
+    column[k].v = _mm_unpacklo_pd(of_a, of_b);
+    column[k + 1].v = _mm_unpackhi_pd(of_a, of_b);
+  }
+}
+SELVAGE_INLINE void store_rows(const WideDouble (&column)[4], double* rows, const Index* index) {
+  double* const a = rows + 4 * static_cast<std::int64_t>(index[0]);
+  double* const b = rows + 4 * static_cast<std::int64_t>(index[1]);
+  for (int k = 0; k < 4; k += 2) {
+    _mm_storeu_pd(a + k, _mm_unpacklo_pd(column[k].v, column[k + 1].v));
+    _mm_storeu_pd(b + k, _mm_unpackhi_pd(column[k].v, column[k + 1].v));
+  }
+}
+
+#else
+
+struct WideDouble {
+  static constexpr int kLanes = 1;
+  double v;
+
+  SELVAGE_INLINE static WideDouble load(const double* p) { return {*p}; }
+  SELVAGE_INLINE static WideDouble broadcast(double x) { return {x}; }
+  SELVAGE_INLINE void store(double* p) const { *p = v; }
+};
+SELVAGE_INLINE WideDouble operator+(WideDouble a, WideDouble b) {
+  return {a.v + b.v};
+}
+SELVAGE_INLINE WideDouble operator-(WideDouble a, WideDouble b) {
+  return {a.v - b.v};
+}
+SELVAGE_INLINE WideDouble operator*(WideDouble a, WideDouble b) {
+  return {a.v * b.v};
+}
+SELVAGE_INLINE WideDouble operator/(WideDouble a, WideDouble b) {
+  return {a.v / b.v};
+}
+SELVAGE_INLINE WideDouble max(WideDouble a, WideDouble b) {
+  return {a.v > b.v ? a.v : b.v};
+}
+SELVAGE_INLINE WideDouble sqrt(WideDouble a) {
+  return {__builtin_sqrt(a.v)};
+}
+SELVAGE_INLINE void load_rows(const double* rows, const Index* index, WideDouble (&column)[4]) {
+  for (int k = 0; k < 4; ++k) column[k].v = rows[4 * static_cast<std::int64_t>(index[0]) + k];
+}
+SELVAGE_INLINE void store_rows(const WideDouble (&column)[4], double* rows, const Index* index) {
+  for (int k = 0; k < 4; ++k) rows[4 * static_cast<std::int64_t>(index[0]) + k] = column[k].v;
+}
+
+#endif
+
+}  // namespace SELVAGE_ISA
+}  // namespace selvage

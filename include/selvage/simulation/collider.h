@@ -1,0 +1,56 @@
+#pragma once
+
+#include "selvage/simulation/motion.h"
+
+#include <memory>
+#include <variant>
+
+namespace selvage {
+
+/// The side of a plane to which `normal` points is free.
+struct PlaneShape {
+  Vec3 point = Vec3::Zero();  ///< [m]
+  Vec3 normal = Vec3::UnitZ();
+};
+
+/// Everything stays inside a box.
+struct BoxContainer {
+  Vec3 lower, upper;  ///< [m]
+};
+
+/// A half ball hollowed out of all that lies below the rim: the flat through `centre` across `axis`.
+struct Bowl {
+  Vec3 centre = Vec3::Zero();  ///< [m] of the ball
+  Vec3 axis = Vec3::UnitZ();   ///< upwards
+  double radius = 1;           ///< [m]
+};
+
+struct SphereShape {
+  Vec3 centre = Vec3::Zero();  ///< [m]
+  double radius = 1;           ///< [m]
+};
+
+/// Solid, with flat ends.
+struct CylinderShape {
+  Vec3 centre = Vec3::Zero();  ///< [m] the middle
+  Vec3 axis = Vec3::UnitZ();
+  double radius = 1;  ///< [m]
+  double length = 1;  ///< [m]
+};
+
+/// A solid of a closed surface, triangles outward.
+struct MeshShape {
+  std::vector<Vec3> positions;  ///< [m]
+  std::vector<VertexTuple<3>> triangles;
+};
+
+/// What bodies cannot pass: it moves by its motion and feels nothing. Vertices are kept out of it; a corner of a
+/// collider that is sharper than the elements near it can reach between vertices.
+struct Collider {
+  std::variant<PlaneShape, BoxContainer, Bowl, SphereShape, CylinderShape, MeshShape> shape;
+  Motion motion{};
+  double static_friction = 0.3;
+  double dynamic_friction = 0.2;
+};
+
+}  // namespace selvage

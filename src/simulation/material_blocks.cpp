@@ -1,0 +1,241 @@
+#include "simulation/material_blocks.h"
+
+#include "selvage/core/parallel.h"
+
+#include <numeric>
+
+namespace selvage {
+
+namespace {
+
+/// The 21 lowest bits of x, each three places from the next.
+std::uint64_t spread_bits(std::uint64_t x) {
+  x = (x | x << 32) & 0x001f00000000ffff;
+  x = (x | x << 16) & 0x001f0000ff0000ff;
+  x = (x | x << 8) & 0x100f00f00f00f00f;
+  x = (x | x << 4) & 0x10c30c30c30c30c3;
+  x = (x | x << 2) & 0x1249249249249249;
+  return x;
+}
+
+/// The elements of a body along a Morton curve through its rest pose, from `ordered[body.first_element]` on.
+void order_elements(const Model& model, const Body& body, std::vector<Index>& ordered) {
+  Vec3 lower = model.rest_positions[body.first_vertex], upper = lower;
+  for (Index v = body.first_vertex; v < body.first_vertex + body.vertex_count; ++v) {
+    lower = lower.cwiseMin(model.rest_positions[v]);
+    upper = upper.cwiseMax(model.rest_positions[v]);
+  }
+  const double scale = 0x1fffff / (upper - lower).maxCoeff();
+  struct Place {
+    std::uint64_t key;
+    Index element;
+    bool operator<(const Place& other) const { return key != other.key ? key < other.key : element < other.element; }
+  };
+  std::vector<Place> places(body.element_count);
+  parallel_for(body.element_count, 4096, [&](std::int64_t i) {
+    const Index element = body.first_element + static_cast<Index>(i);
+    Vec3 centre = Vec3::Zero();
+    for (const Index v : model.mesh.elements()[element]) centre += 0.25 * (model.rest_positions[v] - lower);
+    std::uint64_t key = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      key |= spread_bits(static_cast<std::uint64_t>(std::max(0.0, scale * centre[axis]))) << axis;
+    places[i] = {key, element};
+  });
+  parallel_sort(places.begin(), places.end());
+  for (Index i = 0; i < body.element_count; ++i) ordered[body.first_element + i] = places[i].element;
+}
+
+/// A run of `ordered` elements of one body.
+struct Piece {
+  Index body, first, last;
+};
+
+/// All bodies cut into pieces as equal as can be.
+std::vector<Piece> cut_pieces(const Model& model) {
+  std::vector<Piece> pieces;
+  for (Index b = 0; b < std::ssize(model.bodies); ++b) {
+    const Body& body = model.bodies[b];
+    const std::int64_t count = (body.element_count + kBlockElements - 1) / kBlockElements;
+    for (std::int64_t i = 0; i < count; ++i)
+      pieces.push_back({b, body.first_element + static_cast<Index>(i * body.element_count / count),
+                        body.first_element + static_cast<Index>((i + 1) * body.element_count / count)});
+  }
+  return pieces;
+}
+
+/// Constraints of one piece: their numbers, eight a batch.
+struct PackedPiece {
+  std::vector<Index> elements;
+  std::vector<Index> edges;  ///< numbers of `edge_vertices`
+  std::vector<VertexTuple<2>> edge_vertices;
+};
+
+class BlockMaker {
+ public:
+  explicit BlockMaker(const Model& model) : model_(model), ordered_(model.mesh.element_count()) {
+    for (const Body& body : model.bodies) order_elements(model, body, ordered_);
+    pieces_ = cut_pieces(model);
+    piece_of_.resize(ordered_.size());
+    parallel_for(std::ssize(pieces_), 16, [&](std::int64_t p) {
+      for (Index i = pieces_[p].first; i < pieces_[p].last; ++i) piece_of_[ordered_[i]] = static_cast<Index>(p);
+    });
+  }
+
+  MaterialBlocks make() {
+    std::vector<std::vector<Index>> conflicts(pieces_.size());
+    packed_.resize(pieces_.size());
+    parallel_for(std::ssize(pieces_), 4, [&](std::int64_t p) {
+      const std::vector<Index> vertices = list_vertices(pieces_[p]);
+      conflicts[p] = list_conflicts(static_cast<Index>(p), vertices);
+      packed_[p] = pack(static_cast<Index>(p), vertices);
+    });
+    lay_out(colour_blocks(conflicts));
+    parallel_for(std::ssize(order_), 4, [&](std::int64_t block) { fill(static_cast<Index>(block)); });
+    return std::move(result_);
+  }
+
+ private:
+  const VertexTuple<4>& element(Index place) const { return model_.mesh.elements()[ordered_[place]]; }
+
+  /// Ascending.
+  std::vector<Index> list_vertices(const Piece& piece) const {
+    std::vector<Index> vertices;
+    for (Index i = piece.first; i < piece.last; ++i)
+      vertices.insert(vertices.end(), element(i).begin(), element(i).end());
+    return sorted(std::move(vertices));
+  }
+
+  template <typename Item>
+  static std::vector<Item> sorted(std::vector<Item> items) {
+    std::sort(items.begin(), items.end());
+    items.erase(std::unique(items.begin(), items.end()), items.end());
+    return items;
+  }
+
+  /// Pieces that share a vertex with this one.
+  std::vector<Index> list_conflicts(Index own, const std::vector<Index>& vertices) const {
+    std::vector<Index> others;
+    for (const Index v : vertices)
+      for (const Index e : model_.mesh.vertex_elements(v))
+        if (piece_of_[e] != own) others.push_back(piece_of_[e]);
+    return sorted(std::move(others));
+  }
+
+  PackedPiece pack(Index own, const std::vector<Index>& vertices) const {
+    const auto local = [&](Index v) {
+      return static_cast<Index>(std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin());
+    };
+    const Piece& piece = pieces_[own];
+    const auto vertex_count = static_cast<Index>(vertices.size());
+    std::vector<VertexTuple<4>> tuples;
+    for (Index i = piece.first; i < piece.last; ++i)
+      tuples.push_back({local(element(i)[0]), local(element(i)[1]), local(element(i)[2]), local(element(i)[3])});
+    PackedPiece packed;
+    packed.elements = pack_batches<4>(tuples, vertex_count);
+    for (Index& number : packed.elements)
+      if (number != kNone) number = ordered_[piece.first + number];
+    if (model_.bodies[piece.body].material.kind != MaterialKind::kMassSpring) return packed;
+    packed.edge_vertices = list_edges(own);
+    std::vector<VertexTuple<2>> edges;
+    for (const VertexTuple<2>& edge : packed.edge_vertices) edges.push_back({local(edge[0]), local(edge[1])});
+    packed.edges = pack_batches<2>(edges, vertex_count);
+    return packed;
+  }
+
+  /// Edges of the piece that are of no piece before.
+  std::vector<VertexTuple<2>> list_edges(Index own) const {
+    std::vector<VertexTuple<2>> edges;
+    for (Index i = pieces_[own].first; i < pieces_[own].last; ++i)
+      for (int a = 0; a < 4; ++a)
+        for (int b = 0; b < 4; ++b)
+          if (element(i)[a] < element(i)[b]) edges.push_back({element(i)[a], element(i)[b]});
+    edges = sorted(std::move(edges));
+    std::erase_if(edges, [&](const VertexTuple<2>& edge) {
+      for (const Index e : model_.mesh.vertex_elements(edge[0])) {
+        const auto& other = model_.mesh.elements()[e];
+        if (piece_of_[e] < own && std::find(other.begin(), other.end(), edge[1]) != other.end()) return true;
+      }
+      return false;
+    });
+    return edges;
+  }
+
+  /// Decides where each block's batches go.
+  void lay_out(const std::vector<Index>& colours) {
+    order_.resize(pieces_.size());
+    std::iota(order_.begin(), order_.end(), 0);
+    std::stable_sort(order_.begin(), order_.end(), [&](Index a, Index b) { return colours[a] < colours[b]; });
+    Index elements = 0, edges = 0;
+    for (const Index piece : order_) {
+      while (std::ssize(result_.colour_first) <= colours[piece])
+        result_.colour_first.push_back(static_cast<Index>(result_.blocks.size()));
+      const PackedPiece& packed = packed_[piece];
+      const auto element_batches = static_cast<Index>(packed.elements.size() / kBatch);
+      const auto edge_batches = static_cast<Index>(packed.edges.size() / kBatch);
+      result_.blocks.push_back(
+          {pieces_[piece].body, elements, elements + element_batches, edges, edges + edge_batches});
+      elements += element_batches;
+      edges += edge_batches;
+      const bool springs = model_.bodies[pieces_[piece].body].material.kind == MaterialKind::kMassSpring;
+      result_.constraint_count += std::int64_t{springs ? 1 : 2} * (pieces_[piece].last - pieces_[piece].first) +
+                                  std::ssize(packed.edge_vertices);
+    }
+    result_.colour_first.push_back(static_cast<Index>(result_.blocks.size()));
+    result_.elements.resize(elements);
+    result_.edges.resize(edges);
+    for (std::size_t block = 0; block < order_.size(); ++block)
+      for (int corner = 0; corner < 4; ++corner)
+        result_.stand_ins.push_back({{double(corner == 1), double(corner == 2), double(corner == 3)}, 0});
+  }
+
+  void fill(Index block) {
+    const MaterialBlock& place = result_.blocks[block];
+    const PackedPiece& packed = packed_[order_[block]];
+    const Index stand_in = model_.mesh.vertex_count() + 4 * block;
+    for (std::size_t i = 0; i < packed.elements.size(); ++i)
+      fill_element(result_.elements[place.first_element_batch + i / kBatch], static_cast<int>(i % kBatch),
+                   packed.elements[i], stand_in);
+    for (std::size_t i = 0; i < packed.edges.size(); ++i)
+      fill_edge(
+          result_.edges[place.first_edge_batch + i / kBatch], static_cast<int>(i % kBatch),
+          packed.edges[i] == kNone ? VertexTuple<2>{stand_in, stand_in + 1} : packed.edge_vertices[packed.edges[i]],
+          packed.edges[i] != kNone);
+  }
+
+  void fill_element(ElementBatch& batch, int lane, Index number, Index stand_in) const {
+    Eigen::Matrix3d edges = Eigen::Matrix3d::Identity();
+    for (int k = 0; k < 4; ++k)
+      batch.vertices[k][lane] = number == kNone ? stand_in + k : model_.mesh.elements()[number][k];
+    if (number != kNone)
+      for (int k = 0; k < 3; ++k) edges.col(k) = rest(batch.vertices[k + 1][lane]) - rest(batch.vertices[0][lane]);
+    const Eigen::Matrix3d inverse = edges.inverse(), gram = inverse * inverse.transpose();
+    const double entries[6] = {gram(0, 0), gram(1, 1), gram(2, 2), gram(0, 1), gram(0, 2), gram(1, 2)};
+    for (int i = 0; i < 6; ++i) batch.gram[i][lane] = entries[i];
+    batch.inverse_volume[lane] = 1 / edges.determinant();
+    batch.multipliers[0][lane] = batch.multipliers[1][lane] = 0;
+  }
+
+  void fill_edge(EdgeBatch& batch, int lane, const VertexTuple<2>& vertices, bool exists) const {
+    for (int k = 0; k < 2; ++k) batch.vertices[k][lane] = vertices[k];
+    batch.length[lane] = exists ? (rest(vertices[1]) - rest(vertices[0])).norm() : 1;
+    batch.multiplier[lane] = 0;
+  }
+
+  const Vec3& rest(Index v) const { return model_.rest_positions[v]; }
+
+  const Model& model_;
+  std::vector<Index> ordered_;   ///< elements
+  std::vector<Piece> pieces_;    ///< ranges of them
+  std::vector<Index> piece_of_;  ///< (n_elements)
+  std::vector<PackedPiece> packed_;
+  std::vector<Index> order_;  ///< the piece of each block
+  MaterialBlocks result_;
+};
+
+}  // namespace
+
+MaterialBlocks make_material_blocks(const Model& model) {
+  return BlockMaker(model).make();
+}
+
+}  // namespace selvage

@@ -1,0 +1,79 @@
+#pragma once
+
+#include "selvage/simulation/model.h"
+
+#include <algorithm>
+
+namespace selvage {
+
+/// Constraints of one kind are solved eight at a time, whatever the registers hold: no two of a batch share a vertex.
+inline constexpr int kBatch = 8;
+
+/// A vertex as the solver moves it.
+struct alignas(32) VertexRow {
+  double position[3];
+  double inverse_mass;
+};
+
+/// Eight elements. Places without an element hold one of vertices that nothing moves.
+struct alignas(64) ElementBatch {
+  Index vertices[4][kBatch];
+  double gram[6][kBatch];         ///< B B^T by 00 11 22 01 02 12, with B the inverse of the rest edges (columns)
+  double inverse_volume[kBatch];  ///< 1 / (6 rest volume)
+  double multipliers[2][kBatch];  ///< deviatoric, hydrostatic
+};
+
+/// Eight springs.
+struct alignas(64) EdgeBatch {
+  Index vertices[2][kBatch];
+  double length[kBatch];
+  double multiplier[kBatch];
+};
+
+/// Elements of one body that lie near one another, solved one after the other by one thread: batches in ranges.
+struct MaterialBlock {
+  Index body;
+  Index first_element_batch, last_element_batch;
+  Index first_edge_batch, last_edge_batch;
+};
+
+/// All constraints of a model's material, in the order in which Gauss-Seidel solves them: colour by colour, block by
+/// block, batch by batch. Blocks of one colour share no vertex, so that threads can solve them at the same time.
+///
+/// Two levels where a plain colouring of the elements has one: its forty colours would each stream through all
+/// vertices.
+struct MaterialBlocks {
+  std::vector<ElementBatch> elements;
+  std::vector<EdgeBatch> edges;
+  std::vector<MaterialBlock> blocks;  ///< by colour
+  std::vector<Index> colour_first;    ///< (n_colours + 1) into `blocks`
+  std::int64_t constraint_count = 0;  ///< two a Neo-Hookean element, one a mass-spring element, one a spring
+  /// Rows that stand in for missing vertices, to be appended to the model's: four a block, so that threads share none.
+  std::vector<VertexRow> stand_ins;
+
+  Index colour_count() const { return static_cast<Index>(colour_first.size()) - 1; }
+};
+
+/// Deterministic; parallel but for the choice of colours, which is of the blocks alone.
+MaterialBlocks make_material_blocks(const Model& model);
+
+/// Elements of a block at most. Fewer would not fill their batches: an inner vertex has 24 elements, all in different
+/// ones.
+inline constexpr std::int64_t kBlockElements = 512;
+
+/// A colour for each block so that no two that share a vertex have the same, with about as many blocks of each.
+///
+/// @param conflicts  for each block those that it shares a vertex with
+std::vector<Index> colour_blocks(std::span<const std::vector<Index>> conflicts);
+
+/// Fills batches with tuples of vertices so that no two in a batch share one; kNone marks empty places.
+///
+/// @param tuples  K vertices each, numbered from 0 to vertex_count
+/// @return numbers of tuples, kBatch for each batch
+template <std::size_t K>
+std::vector<Index> pack_batches(std::span<const std::array<Index, K>> tuples, Index vertex_count);
+
+extern template std::vector<Index> pack_batches<2>(std::span<const std::array<Index, 2>>, Index);
+extern template std::vector<Index> pack_batches<4>(std::span<const std::array<Index, 4>>, Index);
+
+}  // namespace selvage

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "selvage/core/isa.h"
+#include "simulation/material_blocks.h"
+
+namespace selvage {
+
+/// What of a body's material a step needs.
+struct MaterialStep {
+  MaterialKind kind;
+  double deviatoric;   ///< Neo-Hookean: compliance over the squared time step, times the rest volume
+  double hydrostatic;  ///< the same; mass-spring: times the squared rest volume
+  double edge;         ///< mass-spring: compliance over the squared time step
+  double damping;      ///< over the time step
+};
+
+/// One iteration over the material.
+struct MaterialTask {
+  VertexRow* vertices;
+  const VertexRow* start;  ///< the vertices at the start of the step; may be null where no body is damped
+  ElementBatch* elements;
+  EdgeBatch* edges;
+  const MaterialBlock* blocks;
+  const MaterialStep* bodies;
+  bool is_first;  ///< of the step: multipliers start from zero
+};
+
+// Solves the blocks [first, last) one after the other.
+#define SELVAGE_MATERIAL_KERNEL void solve_blocks(const MaterialTask&, Index first, Index last);
+namespace baseline {
+SELVAGE_MATERIAL_KERNEL
+}
+namespace avx2 {
+SELVAGE_MATERIAL_KERNEL
+}
+namespace avx512 {
+SELVAGE_MATERIAL_KERNEL
+}
+#undef SELVAGE_MATERIAL_KERNEL
+
+}  // namespace selvage

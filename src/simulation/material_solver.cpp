@@ -1,0 +1,50 @@
+#include "simulation/material_solver.h"
+
+#include "selvage/core/parallel.h"
+
+namespace selvage {
+
+namespace {
+
+/// An element of no stiffness at all would have an infinite compliance: so little is nothing.
+constexpr double kLeastHydrostatic = 1e-12;
+
+MaterialStep prepare(const Material& material, double time_step) {
+  const double squared_step = time_step * time_step;
+  MaterialStep step{material.kind, 0, 0, material.edge_compliance / squared_step, material.damping / time_step};
+  if (material.kind == MaterialKind::kNeoHookean) {
+    const double shear = material.youngs_modulus / (2 * (1 + material.poisson_ratio));
+    const double bulk = 2 * shear * material.poisson_ratio / (1 - 2 * material.poisson_ratio);
+    step.deviatoric = 6 / (shear * squared_step);
+    step.hydrostatic = 6 / (std::max(bulk, kLeastHydrostatic * shear) * squared_step);
+  } else {
+    step.hydrostatic = 36 * material.volume_compliance / squared_step;
+  }
+  return step;
+}
+
+}  // namespace
+
+MaterialSolver::MaterialSolver(const Model& model, double time_step) : blocks_(make_material_blocks(model)) {
+  for (const Body& body : model.bodies) bodies_.push_back(prepare(body.material, time_step));
+}
+
+bool MaterialSolver::needs_start() const {
+  return std::any_of(bodies_.begin(), bodies_.end(), [](const MaterialStep& step) { return step.damping > 0; });
+}
+
+void MaterialSolver::solve(std::span<VertexRow> vertices, std::span<const VertexRow> start, int iterations) {
+  MaterialTask task{vertices.data(), start.data(), blocks_.elements.data(), blocks_.edges.data(), blocks_.blocks.data(),
+                    bodies_.data(),  true};
+  for (int iteration = 0; iteration < iterations; ++iteration) {
+    for (Index colour = 0; colour < blocks_.colour_count(); ++colour) {
+      const Index base = blocks_.colour_first[colour];
+      parallel_ranges(blocks_.colour_first[colour + 1] - base, 1, [&](std::int64_t first, std::int64_t last) {
+        SELVAGE_DISPATCH(solve_blocks, task, base + static_cast<Index>(first), base + static_cast<Index>(last));
+      });
+    }
+    task.is_first = false;
+  }
+}
+
+}  // namespace selvage

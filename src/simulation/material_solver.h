@@ -1,0 +1,30 @@
+#pragma once
+
+#include "selvage/simulation/model.h"
+#include "simulation/material_kernel.h"
+
+namespace selvage {
+
+/// The material solve of a model: Gauss-Seidel over its constraints.
+class MaterialSolver {
+ public:
+  MaterialSolver(const Model& model, double time_step);
+
+  /// Rows that the vertices must be followed by.
+  std::span<const VertexRow> stand_ins() const { return blocks_.stand_ins; }
+
+  /// Whether solve() needs the vertices at the start of the step.
+  bool needs_start() const;
+
+  /// Constraints solved in one iteration.
+  std::int64_t constraint_count() const { return blocks_.constraint_count; }
+
+  /// All iterations of a step. The same bits for any number of threads.
+  void solve(std::span<VertexRow> vertices, std::span<const VertexRow> start, int iterations);
+
+ private:
+  MaterialBlocks blocks_;
+  std::vector<MaterialStep> bodies_;
+};
+
+}  // namespace selvage
