@@ -108,6 +108,8 @@ Json statistics_json(const CollisionReport& report, const ContinuousCounters& c)
           {"box_pairs", c.box_pairs},
           {"vertex_face_boxes", c.vertex_face_boxes},
           {"edge_edge_boxes", c.edge_edge_boxes},
+          {"cleared_nodes", c.cleared_nodes},
+          {"cleared_triangles", c.cleared_triangles},
           {"exact_tests", c.exact_tests}};
 }
 

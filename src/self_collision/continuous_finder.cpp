@@ -2,6 +2,7 @@
 #include "self_collision/continuous_kernel.h"
 #include "self_collision/moving_points.h"
 #include "self_collision/pair_filter.h"
+#include "self_collision/self_culling.h"
 #include "self_collision/swept_pose.h"
 #include "selvage/core/error.h"
 
@@ -21,10 +22,10 @@ std::vector<MovingTriangle> assign_features(const TriangleMesh& mesh) {
   std::vector<MovingTriangle> triangles(mesh.triangle_count());
   parallel_for(mesh.triangle_count(), 4096, [&](std::int64_t t) {
     MovingTriangle& triangle = triangles[t];
-    triangle = {mesh.triangles()[t], mesh.triangle_edges()[t], 0, 0};
+    triangle = {mesh.triangles()[t], mesh.triangle_edges()[t], 0};
     for (int i = 0; i < 3; ++i) {
-      triangle.owned_vertices |= (mesh.vertex_triangles(triangle.vertices[i]).front() == t) << i;
-      triangle.owned_edges |= (mesh.edge_triangles(triangle.edges[i]).front() == t) << i;
+      triangle.owned |= (mesh.vertex_triangles(triangle.vertices[i]).front() == t) << i;
+      triangle.owned |= (mesh.edge_triangles(triangle.edges[i]).front() == t) << (3 + i);
     }
   });
   return triangles;
@@ -51,6 +52,8 @@ ContinuousCounters& ContinuousCounters::operator+=(const ContinuousCounters& oth
   box_pairs += other.box_pairs;
   vertex_face_boxes += other.vertex_face_boxes;
   edge_edge_boxes += other.edge_edge_boxes;
+  cleared_nodes += other.cleared_nodes;
+  cleared_triangles += other.cleared_triangles;
   exact_tests += other.exact_tests;
   return *this;
 }
@@ -62,6 +65,9 @@ struct ContinuousCollisionFinder::State {
   std::vector<MovingTriangle> triangles;
   SweptPose pose;
   Bvh bvh;
+  SurfacePieces pieces;
+  GraphTest<2> graph_test;
+  SparedPairs spared;
 
   State(const TriangleMesh& m, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1,
         SelfCollisionOptions o)
@@ -69,10 +75,6 @@ struct ContinuousCollisionFinder::State {
         options(std::move(o)),
         filter(PairFilter::where_needed(m, options.filters)),
         triangles(assign_features(m)) {
-    if (options.method != CullingMethod::kAuto && options.method != CullingMethod::kBvh)
-      throw Error("method",
-                  fmt::format("{} does not cull steps", culling_method_names()[static_cast<int>(options.method)]),
-                  "use auto or bvh");
     if (!options.thickness.empty())
       throw Error("thickness", "continuous queries have none", "leave it empty, or ask a SelfCollisionFinder");
     rebuild(positions_t0, positions_t1);
@@ -86,15 +88,29 @@ struct ContinuousCollisionFinder::State {
     pose.place(mesh, positions_t0, positions_t1, frame_around(positions_t0, positions_t1));
   }
 
+  void build() {
+    bvh = Bvh(pose.boxes());
+    if (is_culling()) pieces = SurfacePieces(mesh, bvh);
+  }
+
+  bool is_culling() const { return options.method != CullingMethod::kBvh; }
+
+  void cull() {
+    if (!is_culling()) return;
+    spared = spare_pairs<2>(options.method, bvh, pieces, {pose.positions_t0(), pose.positions_t1()}, graph_test);
+  }
+
   void update(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
     place(positions_t0, positions_t1);
     bvh.refit(pose.boxes());
-    if (bvh.quality_loss() > Bvh::kRebuildAbove) bvh = Bvh(pose.boxes());
+    if (bvh.quality_loss() > Bvh::kRebuildAbove) build();
+    cull();
   }
 
   void rebuild(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
     place(positions_t0, positions_t1);
-    bvh = Bvh(pose.boxes());
+    build();
+    cull();
   }
 
   ContinuousScene scene() const {
@@ -103,16 +119,19 @@ struct ContinuousCollisionFinder::State {
             mesh.edges().data(),
             pose.positions_t0().data(),
             pose.positions_t1().data(),
-            pose.rounded_t0().data(),
-            pose.rounded_t1().data(),
-            pose.vertex_boxes().data(),
-            pose.triangle_boxes().data(),
-            filter ? &*filter : nullptr};
+            pose.rounded().data(),
+            filter ? &*filter : nullptr,
+            spared.nodes()};
   }
 
   ContinuousPairs search(std::atomic<bool>* stop, ContinuousCounters* counters) const {
     const ContinuousScene searched = scene();
-    const PairWork work = split_self_pair_work(bvh, kPieces);
+    if (counters != nullptr) {
+      counters->cleared_nodes += spared.counters.cleared_nodes;
+      counters->cleared_triangles += spared.counters.cleared_triangles;
+    }
+    const PairWork work = split_self_pair_work(
+        bvh, kPieces, [&](NodePair pair) { return !searched.spared.do_hold(bvh.nodes().data(), pair); });
     std::vector<ContinuousResult> results(work.pieces.size() + 1);
     for (ContinuousResult& result : results) result.stop = stop;
     SELVAGE_DISPATCH(test_listed_pairs, searched, work.found, results.back());

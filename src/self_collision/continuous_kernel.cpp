@@ -1,5 +1,6 @@
 #include "self_collision/continuous_kernel.h"
 
+#include "self_collision/eight_pairs.h"
 #include "self_collision/motion_filter.h"
 #include "selvage/bvh/traverse_pairs.h"
 
@@ -8,146 +9,235 @@ inline namespace SELVAGE_ISA {
 
 namespace {
 
-/// Pairs whose boxes meet, waiting to be looked at eight at once; what single precision cannot tell apart is decided
-/// exactly. A pair of a vertex and a face (kCount = 1), or of two edges (kCount = 2).
-template <int kCount>
-class MotionBatch {
+/// Pairs of a vertex and a face (kFirst = 1) or of two edges (kFirst = 2) that boxes do not tell apart, looked at eight
+/// at once: over the whole step, then what is left over its parts; what single precision cannot tell apart is decided
+/// exactly.
+template <int kFirst>
+class FeatureBatch {
  public:
-  MotionBatch(const ContinuousScene& scene, ContinuousResult& result) : scene_(scene), result_(result) {}
+  using Vertices = std::array<Index, 4>;
 
-  SELVAGE_INLINE void add(Index first, Index second) {
-    first_[count_] = first;
-    second_[count_] = second;
-    if (++count_ == kSize) flush();
+  FeatureBatch(const ContinuousScene& scene, ContinuousResult& result) : scene_(scene), result_(result) {}
+
+  SELVAGE_INLINE void add(Index first, Index second, const Vertices& vertices) {
+    if (near_.add(first, second, vertices)) test_whole_step();
   }
 
   void flush() {
-    if (count_ == 0) return;
-    Index vertices[4][kSize];
-    for (int i = 0; i < kSize; ++i) {
-      const int k = i < count_ ? i : 0;
-      if constexpr (kCount == 1) {
-        vertices[0][i] = first_[k];
-        for (int corner = 0; corner < 3; ++corner)
-          vertices[1 + corner][i] = scene_.triangles[second_[k]].vertices[corner];
-      } else {
-        for (int end = 0; end < 2; ++end) {
-          vertices[end][i] = scene_.edges[first_[k]][end];
-          vertices[2 + end][i] = scene_.edges[second_[k]][end];
-        }
-      }
-    }
-    const unsigned apart = MotionFilter<kCount>(scene_.rounded_t0, scene_.rounded_t1, vertices).apart();
-    for (unsigned rest = ~apart & ((1u << count_) - 1); rest != 0; rest &= rest - 1) {
-      const int i = lowest_lane(rest);
-      if constexpr (kCount == 1)
-        decide_vertex_face(scene_, first_[i], second_[i], result_);
-      else
-        decide_edge_edge(scene_, first_[i], second_[i], result_);
-    }
-    count_ = 0;
+    if (near_.pairs.count > 0) test_whole_step();
+    if (close_.pairs.count > 0) test_parts();
   }
 
  private:
-  static constexpr int kSize = 8;
+  struct Eight {
+    EightPairs pairs;
+    Index vertices[4][EightPairs::kSize];
+
+    SELVAGE_INLINE bool add(Index first, Index second, const Vertices& v) {
+      for (int k = 0; k < 4; ++k) vertices[k][pairs.count] = v[k];
+      return pairs.add(first, second);
+    }
+    SELVAGE_INLINE unsigned fill() {
+      for (int i = pairs.count; i < EightPairs::kSize; ++i)
+        for (auto& row : vertices) row[i] = row[0];
+      return pairs.fill();
+    }
+  };
+
+  void test_whole_step() {
+    const unsigned lanes = near_.fill();
+    const unsigned apart = MovingSets<kFirst, 4 - kFirst>(scene_.rounded, near_.vertices).apart();
+    for (unsigned rest = lanes & ~apart; rest != 0; rest &= rest - 1) {
+      const int i = lowest_lane(rest);
+      if (close_.add(near_.pairs.first[i], near_.pairs.second[i],
+                     {near_.vertices[0][i], near_.vertices[1][i], near_.vertices[2][i], near_.vertices[3][i]}))
+        test_parts();
+    }
+    near_.pairs.count = 0;
+  }
+
+  void test_parts() {
+    const unsigned lanes = close_.fill();
+    const auto verdict = MovingSets<kFirst, 4 - kFirst>(scene_.rounded, close_.vertices).judge(lanes);
+    for (unsigned rest = lanes & ~verdict.apart; rest != 0; rest &= rest - 1) {
+      const int i = lowest_lane(rest);
+      const bool do_meet = (verdict.meet >> i & 1) != 0;
+      if constexpr (kFirst == 1)
+        decide_vertex_face(scene_, close_.pairs.first[i], close_.pairs.second[i], do_meet, result_);
+      else
+        decide_edge_edge(scene_, close_.pairs.first[i], close_.pairs.second[i], do_meet, result_);
+    }
+    close_.pairs.count = 0;
+  }
+
   const ContinuousScene& scene_;
   ContinuousResult& result_;
-  Index first_[kSize];
-  Index second_[kSize];
-  int count_ = 0;
+  Eight near_, close_;
 };
 
-/// A box over the step in registers.
-struct StepBox {
-  Float4 lower, upper;
+/// Bit `k` of eight bytes.
+SELVAGE_INLINE unsigned gather_bits(std::uint64_t bytes, int k) {
+  return static_cast<unsigned>(((bytes >> k & 0x0101010101010101u) * 0x0102040810204080u) >> 56);
+}
 
-  SELVAGE_INLINE explicit StepBox(const SweptBox& box)
-      : lower(Float4::load(box.lower)), upper(Float4::load(box.upper)) {}
-  SELVAGE_INLINE StepBox(const SweptBox& a, const SweptBox& b)
-      : lower(min(Float4::load(a.lower), Float4::load(b.lower))),
-        upper(max(Float4::load(a.upper), Float4::load(b.upper))) {}
+SELVAGE_INLINE unsigned equal_lanes(const Index (&a)[8], const Index (&b)[8]) {
+  return equal_bits(Float8::load(reinterpret_cast<const float*>(a)), Float8::load(reinterpret_cast<const float*>(b)));
+}
 
-  SELVAGE_INLINE bool meets(const StepBox& other) const {
-    return (less_equal(lower, other.upper) & less_equal(other.lower, upper)) == 0xf;
+/// Eight pairs of triangles, feature by feature.
+struct TriangleFeatures {
+  Index vertices[6][EightPairs::kSize];  ///< corners of the first ones, then of the second ones
+  std::uint64_t owned[2];                ///< a byte for each pair: bits of what the first and the second one owns
+
+  SELVAGE_INLINE TriangleFeatures(const ContinuousScene& scene, const EightPairs& pairs) : owned{0, 0} {
+    for (int i = 0; i < EightPairs::kSize; ++i) {
+      const MovingTriangle& a = scene.triangles[pairs.first[i]];
+      const MovingTriangle& b = scene.triangles[pairs.second[i]];
+      for (int k = 0; k < 3; ++k) {
+        vertices[k][i] = a.vertices[k];
+        vertices[3 + k][i] = b.vertices[k];
+      }
+      owned[0] |= std::uint64_t{a.owned} << 8 * i;
+      owned[1] |= std::uint64_t{b.owned} << 8 * i;
+    }
   }
+  SELVAGE_INLINE unsigned owned_vertex(int side, int k) const { return gather_bits(owned[side], k); }
+  SELVAGE_INLINE unsigned owned_edge(int side, int k) const { return gather_bits(owned[side], 3 + k); }
+};
+
+/// Pairs of triangles whose boxes meet, looked at eight at once: first both as a whole, then of what they own each with
+/// what the other has.
+class TriangleBatch {
+ public:
+  TriangleBatch(const ContinuousScene& scene, ContinuousResult& result)
+      : scene_(scene), result_(result), vertex_face_(scene, result), edge_edge_(scene, result) {}
+
+  SELVAGE_INLINE void add(Index first, Index second) {
+    if (pairs_.add(first, second)) test_triangles();
+  }
+
+  void flush() {
+    if (pairs_.count > 0) test_triangles();
+    if (near_.count > 0) test_features();
+    vertex_face_.flush();
+    edge_edge_.flush();
+  }
+
+ private:
+  void test_triangles() {
+    const unsigned lanes = pairs_.fill();
+    const TriangleFeatures features(scene_, pairs_);
+    const unsigned apart = MovingSets<3, 3>(scene_.rounded, features.vertices).apart();
+    for (unsigned rest = lanes & ~apart; rest != 0; rest &= rest - 1) {
+      const int i = lowest_lane(rest);
+      if (near_.add(pairs_.first[i], pairs_.second[i])) test_features();
+    }
+    pairs_.count = 0;
+  }
+
+  void test_features() {
+    const unsigned lanes = near_.fill();
+    const TriangleFeatures features(scene_, near_);
+    const MovingSets<3, 3> sets(scene_.rounded, features.vertices);
+    unsigned same[3][3];  // corners that are one vertex
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) same[i][j] = equal_lanes(features.vertices[i], features.vertices[3 + j]);
+    unsigned vertex_face[2][3], edge_edge[3][3];
+    for (int i = 0; i < 3; ++i) {
+      vertex_face[0][i] = lanes & features.owned_vertex(0, i) & ~(same[i][0] | same[i][1] | same[i][2]);
+      vertex_face[1][i] = lanes & features.owned_vertex(1, i) & ~(same[0][i] | same[1][i] | same[2][i]);
+      for (int j = 0; j < 3; ++j) {
+        edge_edge[i][j] = lanes & features.owned_edge(0, i) & features.owned_edge(1, j);
+        for (int k = 1; k < 3; ++k)
+          for (int l = 1; l < 3; ++l) edge_edge[i][j] &= ~same[(i + k) % 3][(j + l) % 3];
+      }
+    }
+    for (Float8 WideCorner::*const axis : {&WideCorner::x, &WideCorner::y, &WideCorner::z}) {
+      MovingExtent corners[2][3], edges[2][3], faces[2];
+      for (int side = 0; side < 2; ++side) {
+        for (int k = 0; k < 3; ++k) corners[side][k] = sets.extent(3 * side + k, axis);
+        for (int k = 0; k < 3; ++k) edges[side][k] = corners[side][(k + 1) % 3].joined(corners[side][(k + 2) % 3]);
+        faces[side] = edges[side][0].joined(corners[side][0]);
+      }
+      for (int i = 0; i < 3; ++i) {
+        for (int side = 0; side < 2; ++side)
+          vertex_face[side][i] &= ~corners[side][i].apart_from(faces[1 - side], sets.error());
+        for (int j = 0; j < 3; ++j) edge_edge[i][j] &= ~edges[0][i].apart_from(edges[1][j], sets.error());
+      }
+    }
+    for (int i = 0; i < 3; ++i) {
+      for (int side = 0; side < 2; ++side) add_vertex_faces(features, side, i, vertex_face[side][i]);
+      for (int j = 0; j < 3; ++j) add_edges(features, i, j, edge_edge[i][j]);
+    }
+    near_.count = 0;
+  }
+
+  void add_vertex_faces(const TriangleFeatures& features, int side, int corner, unsigned lanes) {
+    const Index(*const face)[EightPairs::kSize] = features.vertices + 3 * (1 - side);
+    for (; lanes != 0; lanes &= lanes - 1) {
+      const int lane = lowest_lane(lanes);
+      const Index vertex = features.vertices[3 * side + corner][lane];
+      ++result_.counters.vertex_face_boxes;
+      vertex_face_.add(vertex, (side == 0 ? near_.second : near_.first)[lane],
+                       {vertex, face[0][lane], face[1][lane], face[2][lane]});
+    }
+  }
+
+  /// Edges opposite to two corners.
+  void add_edges(const TriangleFeatures& features, int i, int j, unsigned lanes) {
+    const auto& v = features.vertices;
+    for (; lanes != 0; lanes &= lanes - 1) {
+      const int lane = lowest_lane(lanes);
+      const Index e = scene_.triangles[near_.first[lane]].edges[i], f = scene_.triangles[near_.second[lane]].edges[j];
+      ++result_.counters.edge_edge_boxes;
+      edge_edge_.add(e < f ? e : f, e < f ? f : e,
+                     {v[(i + 1) % 3][lane], v[(i + 2) % 3][lane], v[3 + (j + 1) % 3][lane], v[3 + (j + 2) % 3][lane]});
+    }
+  }
+
+  const ContinuousScene& scene_;
+  ContinuousResult& result_;
+  EightPairs pairs_, near_;
+  FeatureBatch<1> vertex_face_;
+  FeatureBatch<2> edge_edge_;
 };
 
 /// One piece of a search: the hierarchy decides which triangles are looked at.
 class Search {
  public:
   Search(const ContinuousScene& scene, ContinuousResult& result)
-      : scene_(scene), result_(result), vertex_face_(scene, result), edge_edge_(scene, result) {}
+      : scene_(scene), result_(result), triangles_(scene, result) {}
 
   void run(NodePair start) {
     traversal::visit_rows<true>(
         scene_.nodes, scene_.nodes, start, [&](NodePair pair) { return enter(pair); },
         [&](const PrimitiveRow& row) {
           const BvhNode& node = scene_.nodes[row.node];
+          result_.counters.box_pairs += count_lanes(row.lanes);
           for (unsigned rest = row.lanes; rest != 0; rest &= rest - 1)
-            take_pair(row.primitive, node.children[lowest_lane(rest)]);
+            triangles_.add(row.primitive, node.children[lowest_lane(rest)]);
         });
-    finish();
+    triangles_.flush();
   }
 
-  /// A pair of triangles whose boxes meet: of what they own, each with what the other has.
-  void take_pair(Index first, Index second) {
-    ++result_.counters.box_pairs;
-    const MovingTriangle &a = scene_.triangles[first], &b = scene_.triangles[second];
-    if ((a.owned_vertices | a.owned_edges) == 0 && (b.owned_vertices | b.owned_edges) == 0) return;
-    take_vertices(a, b, second);
-    take_vertices(b, a, first);
-    take_edges(a, b);
-  }
-
-  void finish() {
-    vertex_face_.flush();
-    edge_edge_.flush();
+  void run(std::span<const IndexPair> pairs) {
+    result_.counters.box_pairs += std::ssize(pairs);
+    for (const IndexPair& pair : pairs) triangles_.add(pair.first, pair.second);
+    triangles_.flush();
   }
 
  private:
-  SELVAGE_INLINE bool enter(NodePair) {
+  /// The one place where a pair of nodes is left out although their boxes meet.
+  SELVAGE_INLINE bool enter(NodePair pair) {
     if (result_.stop != nullptr && result_.stop->load(std::memory_order_relaxed)) return false;
+    if (scene_.spared.do_hold(scene_.nodes.data(), pair)) return false;
     ++result_.counters.node_pairs;
     return true;
   }
 
-  SELVAGE_INLINE void take_vertices(const MovingTriangle& owner, const MovingTriangle& face, Index face_number) {
-    if (owner.owned_vertices == 0) return;
-    const StepBox box(scene_.triangle_boxes[face_number]);
-    for (unsigned rest = owner.owned_vertices; rest != 0; rest &= rest - 1) {
-      const Index v = owner.vertices[lowest_lane(rest)];
-      if (v == face.vertices[0] || v == face.vertices[1] || v == face.vertices[2]) continue;
-      if (!box.meets(StepBox(scene_.vertex_boxes[v]))) continue;
-      ++result_.counters.vertex_face_boxes;
-      vertex_face_.add(v, face_number);
-    }
-  }
-
-  SELVAGE_INLINE StepBox edge_box(const VertexTuple<2>& edge) const {
-    return StepBox(scene_.vertex_boxes[edge[0]], scene_.vertex_boxes[edge[1]]);
-  }
-
-  SELVAGE_INLINE void take_edges(const MovingTriangle& a, const MovingTriangle& b) {
-    if (a.owned_edges == 0) return;
-    for (unsigned others = b.owned_edges; others != 0; others &= others - 1) {
-      const Index e = b.edges[lowest_lane(others)];
-      const VertexTuple<2>& edge = scene_.edges[e];
-      const StepBox box = edge_box(edge);
-      for (unsigned rest = a.owned_edges; rest != 0; rest &= rest - 1) {
-        const Index f = a.edges[lowest_lane(rest)];
-        const VertexTuple<2>& other = scene_.edges[f];
-        if (edge[0] == other[0] || edge[0] == other[1] || edge[1] == other[0] || edge[1] == other[1]) continue;
-        if (!box.meets(edge_box(other))) continue;
-        ++result_.counters.edge_edge_boxes;
-        e < f ? edge_edge_.add(e, f) : edge_edge_.add(f, e);
-      }
-    }
-  }
-
   const ContinuousScene& scene_;
   ContinuousResult& result_;
-  MotionBatch<1> vertex_face_;
-  MotionBatch<2> edge_edge_;
+  TriangleBatch triangles_;
 };
 
 }  // namespace
@@ -157,9 +247,7 @@ void find_continuous_collisions(const ContinuousScene& scene, NodePair start, Co
 }
 
 void test_listed_pairs(const ContinuousScene& scene, std::span<const IndexPair> pairs, ContinuousResult& result) {
-  Search search(scene, result);
-  for (const IndexPair& pair : pairs) search.take_pair(pair.first, pair.second);
-  search.finish();
+  Search(scene, result).run(pairs);
 }
 
 }  // namespace SELVAGE_ISA

@@ -20,8 +20,8 @@ SELVAGE_CONTINUOUS_KERNEL
 }
 #undef SELVAGE_CONTINUOUS_KERNEL
 
-/// Decide a pair exactly and note it where it counts. Compiled once, for every x86-64.
-void decide_vertex_face(const ContinuousScene& scene, Index vertex, Index face, ContinuousResult& result);
-void decide_edge_edge(const ContinuousScene& scene, Index first, Index second, ContinuousResult& result);
+/// Decide a pair exactly, unless it is known to meet, and note it where it counts. Compiled once, for every x86-64.
+void decide_vertex_face(const ContinuousScene& scene, Index vertex, Index face, bool do_meet, ContinuousResult& result);
+void decide_edge_edge(const ContinuousScene& scene, Index first, Index second, bool do_meet, ContinuousResult& result);
 
 }  // namespace selvage

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "selvage/bvh/overlap.h"
+#include "self_collision/spared_nodes.h"
 #include "selvage/self_collision/continuous_collision.h"
 
 #include <atomic>
@@ -9,18 +9,18 @@ namespace selvage {
 
 class PairFilter;
 
-/// A box over the whole step, in the frame: rounded outward, a fourth lane of zeros.
-struct alignas(32) SweptBox {
-  float lower[4];
-  float upper[4];
+/// Where a vertex is in the frame at the start of a step (x, y, z, 0) and at its end (x, y, z, 0), each coordinate
+/// rounded down to a float.
+struct alignas(32) MovingRow {
+  float coordinates[8];
 };
 
 /// The corners of a triangle that is looked at, the edges opposite to them, and which of both are its own to answer
-/// for.
+/// for: bit k for vertex k, bit 3 + k for edge k.
 struct MovingTriangle {
   VertexTuple<3> vertices;
   std::array<Index, 3> edges;
-  std::uint32_t owned_vertices, owned_edges;  ///< bits
+  std::uint32_t owned;
 };
 
 /// What a search over a step reads.
@@ -30,11 +30,9 @@ struct ContinuousScene {
   const VertexTuple<2>* edges;
   const Vec3* positions_t0;
   const Vec3* positions_t1;
-  const std::array<float, 4>* rounded_t0;  ///< per vertex: its place in the frame, each coordinate rounded down
-  const std::array<float, 4>* rounded_t1;
-  const SweptBox* vertex_boxes;
-  const SweptBox* triangle_boxes;
+  const MovingRow* rounded;  ///< per vertex
   const PairFilter* filter;  ///< null: keeps all
+  SparedNodes spared = {};
 };
 
 /// What one piece of a search brings.

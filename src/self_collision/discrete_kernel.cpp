@@ -1,5 +1,6 @@
 #include "self_collision/discrete_kernel.h"
 
+#include "self_collision/eight_pairs.h"
 #include "self_collision/plane_filter.h"
 #include "selvage/bvh/traverse_pairs.h"
 
@@ -7,30 +8,6 @@ namespace selvage {
 inline namespace SELVAGE_ISA {
 
 namespace {
-
-/// Up to eight pairs of triangles (of a, of b) that are looked at together.
-struct EightPairs {
-  static constexpr int kSize = 8;
-  Index first[kSize];
-  Index second[kSize];
-  int count = 0;
-
-  /// Returns whether it is full.
-  SELVAGE_INLINE bool add(Index a, Index b) {
-    first[count] = a;
-    second[count] = b;
-    return ++count == kSize;
-  }
-
-  /// Repeats the first pair in the empty places. Returns the mask of the pairs.
-  unsigned fill() {
-    for (int i = count; i < kSize; ++i) {
-      first[i] = first[0];
-      second[i] = second[0];
-    }
-    return (1u << count) - 1;
-  }
-};
 
 using EightTriangles = VertexTuple<3>[EightPairs::kSize];
 

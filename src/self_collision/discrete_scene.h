@@ -1,7 +1,6 @@
 #pragma once
 
-#include "selvage/bvh/overlap.h"
-#include "selvage/core/isa.h"
+#include "self_collision/spared_nodes.h"
 #include "selvage/self_collision/self_collision.h"
 
 #include <atomic>
@@ -25,19 +24,6 @@ struct SurfaceView {
   const std::array<float, 4>* rounded;  ///< per vertex: its place in the frame, see SurfacePose
   const float* thickness;               ///< per triangle, in the frame; null: none
   const double* vertex_thickness;       ///< per vertex [m]; null: none
-};
-
-/// Pairs of nodes of one hierarchy that culling leaves out.
-struct SparedNodes {
-  const std::uint8_t* cleared = nullptr;  ///< per node, not 0: needs no comparison with itself; null: none
-  const std::uint8_t* siblings =
-      nullptr;  ///< per node its siblings, by their number, that it need not be compared with
-
-  SELVAGE_INLINE bool do_hold(const BvhNode* nodes, NodePair pair) const {
-    if (pair.a == pair.b) return cleared != nullptr && cleared[pair.a] != 0;
-    if (siblings == nullptr || nodes[pair.a].parent != nodes[pair.b].parent) return false;
-    return (siblings[pair.a] >> (pair.b - ~nodes[nodes[pair.a].parent].children[0]) & 1) != 0;
-  }
 };
 
 /// What a search reads. A surface with itself, with a part of itself (a), or with another.

@@ -164,8 +164,7 @@ struct SelfCollisionFinder::State {
 
   std::vector<TrianglePair> search_self_pairs(std::atomic<bool>* stop, SelfCollisionCounters* counters) const {
     DiscreteScene scene = self_scene();
-    scene.spared = {spared.cleared.empty() ? nullptr : spared.cleared.data(),
-                    spared.siblings.empty() ? nullptr : spared.siblings.data()};
+    scene.spared = spared.nodes();
     if (counters != nullptr) {
       counters->cleared_nodes += spared.counters.cleared_nodes;
       counters->cleared_triangles += spared.counters.cleared_triangles;

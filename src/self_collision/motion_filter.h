@@ -1,100 +1,220 @@
 #pragma once
 
+#include "self_collision/continuous_scene.h"
 #include "self_collision/plane_filter.h"
 
 namespace selvage {
 inline namespace SELVAGE_ISA {
 
-/// Eight times four points that move: a vertex and the three of a face (kCount = 1), or the two ends of an edge and
-/// those of another (kCount = 2). Told apart by a direction along which the first kCount lie before the others at the
-/// start and at the end of the step: then they do all the time.
-template <int kCount>
-class MotionFilter {
- public:
-  /// @param vertices  for each of the four points, the eight vertices
-  MotionFilter(const std::array<float, 4>* rounded_t0, const std::array<float, 4>* rounded_t1,
-               const Index (&vertices)[4][8]) {
-    WideCorner start[4], end[4];
-    for (int i = 0; i < 4; ++i) {
-      start[i] = gather_corner(rounded_t0, vertices[i]);
-      end[i] = gather_corner(rounded_t1, vertices[i]);
+/// The same point of eight pairs at one time and at a later one.
+struct MovingCorner {
+  WideCorner start, end;
+};
+SELVAGE_INLINE MovingCorner operator-(const MovingCorner& a, const MovingCorner& b) {
+  return {a.start - b.start, a.end - b.end};
+}
+
+/// Gathers eight rows into a point.
+SELVAGE_INLINE MovingCorner gather_moving(const MovingRow* rows, const Index (&vertices)[8]) {
+  Float8 low[4], high[4];
+  for (int i = 0; i < 4; ++i) {
+    low[i] = Float8::load(rows[vertices[i]].coordinates);
+    high[i] = Float8::load(rows[vertices[i + 4]].coordinates);
+  }
+  transpose(low[0], low[1], low[2], low[3]);
+  transpose(high[0], high[1], high[2], high[3]);
+  MovingCorner corner;
+  Float8* const start[] = {&corner.start.x, &corner.start.y, &corner.start.z};
+  Float8* const end[] = {&corner.end.x, &corner.end.y, &corner.end.z};
+  for (int k = 0; k < 3; ++k) {
+    *start[k] = Float8::join(low[k].low(), high[k].low());
+    *end[k] = Float8::join(low[k].high(), high[k].high());
+  }
+  return corner;
+}
+
+/// What some numbers reach at the start and at the end of a part of the step.
+struct MovingExtent {
+  Float8 lower[2], upper[2];
+
+  SELVAGE_INLINE MovingExtent() = default;
+  SELVAGE_INLINE MovingExtent(Float8 start, Float8 end) : lower{start, end}, upper{start, end} {}
+
+  SELVAGE_INLINE MovingExtent joined(const MovingExtent& other) const {
+    MovingExtent all;
+    for (int s = 0; s < 2; ++s) {
+      all.lower[s] = min(lower[s], other.lower[s]);
+      all.upper[s] = max(upper[s], other.upper[s]);
     }
-    // From a place near all of them, where floats are finer.
-    Float8 far = Float8::broadcast(0);
-    for (int i = 0; i < 4; ++i) {
-      start_[i] = start[i] - start[0];
-      end_[i] = end[i] - start[0];
-      twice_middle_[i] = {start_[i].x + end_[i].x, start_[i].y + end_[i].y, start_[i].z + end_[i].z};
-      far = max(far, max(reach(start_[i]), reach(end_[i])));
-    }
-    // Along a direction, two positions of which each is off by a rounding, a difference and a dot product: in all less
-    // than this for each unit of the sum of the direction's coordinates.
-    error_ = Float8::broadcast(2.1f * kFrameRounding) + far * Float8::broadcast(0x1p-20f);
+    return all;
   }
 
-  /// Lanes whose points certainly never meet.
-  SELVAGE_INLINE unsigned apart() const {
-    const unsigned by_axes =
-        apart_on_axis(&WideCorner::x) | apart_on_axis(&WideCorner::y) | apart_on_axis(&WideCorner::z);
-    if (by_axes == 0xff) return by_axes;
-    return by_axes | apart_in_the_middle();
+  /// Lanes in which all numbers are above the others by at least the bound at both ends, or below them: then they are
+  /// so all the time.
+  SELVAGE_INLINE unsigned apart_from(const MovingExtent& other, Float8 bound) const {
+    return (less_equal(bound, lower[0] - other.upper[0]) & less_equal(bound, lower[1] - other.upper[1])) |
+           (less_equal(bound, other.lower[0] - upper[0]) & less_equal(bound, other.lower[1] - upper[1]));
   }
+};
+
+/// Eight pairs of two sets of points that move: a vertex and the three of a face, the two ends of an edge and those of
+/// another, the corners of two triangles. Told apart by directions along which the first set lies before the second at
+/// the start and at the end of the step, or of all parts of it: then it does all the time.
+template <int kFirst, int kSecond>
+class MovingSets {
+ public:
+  static constexpr int kPoints = kFirst + kSecond;
+
+  /// @param vertices  for each of the points, the eight vertices
+  SELVAGE_INLINE MovingSets(const MovingRow* rows, const Index (&vertices)[kPoints][8]) {
+    for (int i = 0; i < kPoints; ++i) points_[i] = gather_moving(rows, vertices[i]);
+    // As the first one sees the others: what all have in common of their places and motions costs no bits.
+    const MovingCorner origin = points_[0];
+    far_ = Float8::broadcast(0);
+    for (MovingCorner& point : points_) {
+      point = point - origin;
+      far_ = max(far_, max(reach(point.start), reach(point.end)));
+    }
+    // Along a direction, two positions of which each is off by a rounding, and a difference, halvings and a dot product
+    // of each: in all less than this for each unit of the sum of the direction's coordinates.
+    error_ = Float8::broadcast(4.1f * kFrameRounding) + far_ * Float8::broadcast(0x1p-20f);
+  }
+
+  /// What a point reaches along an axis, and what may be wrong with the gap between two such.
+  SELVAGE_INLINE MovingExtent extent(int point, Float8 WideCorner::*axis) const {
+    return {points_[point].start.*axis, points_[point].end.*axis};
+  }
+  SELVAGE_INLINE Float8 error() const { return error_; }
+
+  /// Lanes whose sets certainly never meet.
+  SELVAGE_INLINE unsigned apart() const { return apart_in_part(points_); }
+
+  /// What is certain of eight pairs.
+  struct Verdict {
+    unsigned apart;  ///< they never meet
+    unsigned meet;   ///< they meet at some time
+  };
+
+  /// The same for some lanes, with halves of the step looked at apart, their halves, and so on, as far as it takes. For
+  /// a vertex and a face, and for two edges.
+  SELVAGE_INLINE Verdict judge(unsigned lanes) const { return judge(points_, lanes, kHalvings); }
 
  private:
+  static constexpr int kHalvings = 4;
+  using Points = MovingCorner[kPoints];
   SELVAGE_INLINE static WideCorner times(const WideCorner& a, Float8 s) { return {a.x * s, a.y * s, a.z * s}; }
+  SELVAGE_INLINE static WideCorner sum(const WideCorner& a, const WideCorner& b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+  }
 
-  /// The directions that tell the points apart as they lie in the middle of the step, wherever they do not meet then:
-  /// for a vertex, the face's normal and those of its sides; for edges, what is normal to both, and in the plane of
-  /// both what is normal to one; what is left for parallel ones.
-  SELVAGE_INLINE unsigned apart_in_the_middle() const {
-    const WideCorner(&m)[4] = twice_middle_;
-    if constexpr (kCount == 1) {
-      const WideCorner ab = m[2] - m[1], bc = m[3] - m[2], ca = m[1] - m[3], normal = cross(ab, bc);
-      return apart_along(normal) | apart_along(cross(normal, ab)) | apart_along(cross(normal, bc)) |
-             apart_along(cross(normal, ca));
+  SELVAGE_INLINE unsigned apart_in_part(const Points& points) const {
+    unsigned apart = 0;
+    for (Float8 WideCorner::*const axis : {&WideCorner::x, &WideCorner::y, &WideCorner::z})
+      apart |= apart_by([&](const WideCorner& x) { return x.*axis; }, points, error_);
+    return apart == 0xff ? apart : apart | apart_in_the_middle(points);
+  }
+
+  [[gnu::noinline]] Verdict judge(const Points& points, unsigned lanes, int halvings_left) const {
+    Verdict whole{apart_in_part(points), meet_in_part(points)};
+    const unsigned open = lanes & ~(whole.apart | whole.meet);
+    if (open == 0 || halvings_left == 0) return whole;
+    Points first, second;
+    for (int i = 0; i < kPoints; ++i) {
+      const WideCorner middle = times(sum(points[i].start, points[i].end), Float8::broadcast(0.5f));
+      first[i] = {points[i].start, middle};
+      second[i] = {middle, points[i].end};
+    }
+    const Verdict before = judge(first, open, halvings_left - 1);
+    whole.meet |= before.meet;
+    if ((open & ~before.meet) == 0) return whole;
+    const Verdict after = judge(second, open & ~before.meet, halvings_left - 1);
+    whole.meet |= after.meet;
+    whole.apart |= before.apart & after.apart;
+    return whole;
+  }
+
+  /// Lanes whose sets certainly meet: the four points change their orientation, so that some moment brings them into
+  /// one plane, while their shadows along one direction cross properly all the time.
+  SELVAGE_INLINE unsigned meet_in_part(const Points& points) const {
+    // A coordinate of a difference of two points is off by less than error_, and no larger than this.
+    const Float8 largest = far_ + far_;
+    const Float8 volume_bound = largest * largest * error_ * Float8::broadcast(32) + Float8::broadcast(1e-30f);
+    const auto volume = [&](WideCorner MovingCorner::*time) {
+      const WideCorner &a = points[0].*time, &b = points[1].*time, &c = points[2].*time, &d = points[3].*time;
+      return dot(b - a, cross(c - a, d - a));
+    };
+    const Float8 before = volume(&MovingCorner::start), after = volume(&MovingCorner::end);
+    const unsigned turning = (less_equal(volume_bound, before) & less_equal(volume_bound, negative(after))) |
+                             (less_equal(volume_bound, negative(before)) & less_equal(volume_bound, after));
+    if (turning == 0) return 0;
+    WideCorner m[kPoints];
+    for (int i = 0; i < kPoints; ++i) m[i] = sum(points[i].start, points[i].end);
+    const WideCorner along = kFirst == 1 ? cross(m[2] - m[1], m[3] - m[1]) : cross(m[1] - m[0], m[3] - m[2]);
+    const Float8 bound =
+        (magnitude(along.x) + magnitude(along.y) + magnitude(along.z)) * largest * error_ * Float8::broadcast(8) +
+        Float8::broadcast(1e-30f);
+    /// On which side of the line through two points another is, seen along the direction: the least and the most of the
+    /// coefficients in Bernstein form.
+    const auto side = [&](int from, int to, int of) {
+      const MovingCorner edge = points[to] - points[from], other = points[of] - points[from];
+      const MovingCorner left{cross(along, edge.start), cross(along, edge.end)};
+      const Float8 mixed = (dot(left.start, other.end) + dot(left.end, other.start)) * Float8::broadcast(0.5f);
+      const Float8 first = dot(left.start, other.start), last = dot(left.end, other.end);
+      return Side{min(min(first, last), mixed), max(max(first, last), mixed)};
+    };
+    if constexpr (kFirst == 1) {
+      const Float8 least = min(min(side(1, 2, 0).least, side(2, 3, 0).least), side(3, 1, 0).least);
+      return turning & less_equal(bound, least);
     } else {
+      const auto opposite = [&](const Side& a, const Side& b) {
+        return (less_equal(bound, a.least) & less_equal(bound, negative(b.most))) |
+               (less_equal(bound, b.least) & less_equal(bound, negative(a.most)));
+      };
+      return turning & opposite(side(0, 1, 2), side(0, 1, 3)) & opposite(side(2, 3, 0), side(2, 3, 1));
+    }
+  }
+
+  struct Side {
+    Float8 least, most;
+  };
+
+  /// The directions that tell the points apart as they lie in the middle of the time, wherever they do not meet then:
+  /// for a vertex, the face's normal and those of its sides; for edges, what is normal to both, and in the plane of
+  /// both what is normal to one; what is left for parallel ones. For triangles only their normals.
+  SELVAGE_INLINE unsigned apart_in_the_middle(const Points& points) const {
+    WideCorner m[kPoints];
+    for (int i = 0; i < kPoints; ++i) m[i] = sum(points[i].start, points[i].end);
+    const auto apart = [&](const WideCorner& direction) { return apart_along(direction, points); };
+    if constexpr (kFirst == 1) {
+      const WideCorner ab = m[2] - m[1], bc = m[3] - m[2], ca = m[1] - m[3], normal = cross(ab, bc);
+      return apart(normal) | apart(cross(normal, ab)) | apart(cross(normal, bc)) | apart(cross(normal, ca));
+    } else if constexpr (kFirst == 2) {
       const WideCorner u = m[1] - m[0], v = m[3] - m[2], w = m[2] - m[0], normal = cross(u, v);
       const WideCorner aside = times(w, dot(u, u)) - times(u, dot(u, w));
-      return apart_along(normal) | apart_along(cross(normal, u)) | apart_along(cross(normal, v)) | apart_along(aside) |
-             apart_along(u);
+      return apart(normal) | apart(cross(normal, u)) | apart(cross(normal, v)) | apart(aside) | apart(u);
+    } else {
+      return apart(cross(m[1] - m[0], m[2] - m[0])) | apart(cross(m[4] - m[3], m[5] - m[3]));
     }
   }
 
-  SELVAGE_INLINE unsigned apart_along(const WideCorner& direction) const {
-    Float8 start[4], end[4];
-    for (int i = 0; i < 4; ++i) {
-      start[i] = dot(direction, start_[i]);
-      end[i] = dot(direction, end_[i]);
-    }
-    const Float8 bound = error_ * (magnitude(direction.x) + magnitude(direction.y) + magnitude(direction.z));
-    return apart_by(start, end, bound + Float8::broadcast(1e-30f));
+  SELVAGE_INLINE unsigned apart_along(const WideCorner& direction, const Points& points) const {
+    const Float8 length = magnitude(direction.x) + magnitude(direction.y) + magnitude(direction.z);
+    return apart_by([&](const WideCorner& x) { return dot(direction, x); }, points,
+                    error_ * length + Float8::broadcast(1e-30f));
   }
 
-  SELVAGE_INLINE unsigned apart_on_axis(Float8 WideCorner::*axis) const {
-    Float8 start[4], end[4];
-    for (int i = 0; i < 4; ++i) {
-      start[i] = start_[i].*axis;
-      end[i] = end_[i].*axis;
-    }
-    return apart_by(start, end, error_);
-  }
-
-  /// Whether the first kCount numbers are above the others at both ends, or below them, by more than the bound.
-  SELVAGE_INLINE static unsigned apart_by(const Float8 (&start)[4], const Float8 (&end)[4], Float8 bound) {
-    const auto gap_above = [](const Float8(&x)[4]) {
-      const Float8 first = kCount == 1 ? x[0] : min(x[0], x[1]), other = kCount == 1 ? max(x[1], x[2]) : x[2];
-      return first - max(other, x[3]);
+  template <typename Measure>
+  SELVAGE_INLINE static unsigned apart_by(Measure&& measure, const Points& points, Float8 bound) {
+    const auto extent = [&](int first, int last) {
+      MovingExtent all(measure(points[first].start), measure(points[first].end));
+      for (int i = first + 1; i < last; ++i) all = all.joined({measure(points[i].start), measure(points[i].end)});
+      return all;
     };
-    const auto gap_below = [](const Float8(&x)[4]) {
-      const Float8 first = kCount == 1 ? x[0] : max(x[0], x[1]), other = kCount == 1 ? min(x[1], x[2]) : x[2];
-      return min(other, x[3]) - first;
-    };
-    return (less_equal(bound, gap_above(start)) & less_equal(bound, gap_above(end))) |
-           (less_equal(bound, gap_below(start)) & less_equal(bound, gap_below(end)));
+    return extent(0, kFirst).apart_from(extent(kFirst, kPoints), bound);
   }
 
-  WideCorner start_[4], end_[4], twice_middle_[4];
-  Float8 error_;
+  Points points_;
+  Float8 far_, error_;
 };
 
 }  // namespace SELVAGE_ISA

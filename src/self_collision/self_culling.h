@@ -1,6 +1,7 @@
 #pragma once
 
 #include "self_collision/graph_test.h"
+#include "self_collision/spared_nodes.h"
 #include "selvage/self_collision/self_collision.h"
 
 namespace selvage {
@@ -21,6 +22,11 @@ struct SparedPairs {
   std::vector<std::uint8_t> siblings;
 
   CullingCounters counters;
+
+  /// As kernels read it.
+  SparedNodes nodes() const {
+    return {cleared.empty() ? nullptr : cleared.data(), siblings.empty() ? nullptr : siblings.data()};
+  }
 };
 
 /// Finds what a method leaves out of the search of a surface against itself, in one pose or over a step. O(n),

@@ -31,7 +31,6 @@ CullingMethod culling_method(std::string_view name);
 
 /// What is asked of a surface.
 struct SelfCollisionOptions {
-  /// Continuous queries know kBvh and kAuto alone, which are the same there.
   CullingMethod method = CullingMethod::kAuto;
 
   /// Also pairs of triangles that share a vertex or an edge and meet anywhere else, or share all their vertices. For
