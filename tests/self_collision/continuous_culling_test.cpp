@@ -1,0 +1,175 @@
+#include "self_collision/culling_surfaces.h"
+#include "selvage/self_collision/continuous_collision.h"
+#include "test_scale.h"
+
+#include <tbb/global_control.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace selvage {
+
+namespace {
+
+using surfaces::Random;
+using surfaces::Surface;
+using test::scaled;
+using Positions = std::vector<Vec3>;
+
+constexpr CullingMethod kAccurate[] = {CullingMethod::kNormalCone, CullingMethod::kEnhancedDualCone,
+                                       CullingMethod::kAuto};
+constexpr CullingMethod kPublished[] = {CullingMethod::kDualCone, CullingMethod::kDualConeInternal,
+                                        CullingMethod::kEnhancedDualConePublished};
+
+SelfCollisionOptions by(CullingMethod method) {
+  SelfCollisionOptions options;
+  options.method = method;
+  return options;
+}
+
+ContinuousPairs pairs_by(CullingMethod method, const Surface& start, const Positions& end,
+                         ContinuousCounters* counters = nullptr) {
+  const TriangleMesh mesh = start.mesh();
+  return ContinuousCollisionFinder(mesh, start.positions, end, by(method)).find_pairs(counters);
+}
+
+void expect_all_agree(const Surface& start, const Positions& end) {
+  const ContinuousPairs expected = pairs_by(CullingMethod::kBvh, start, end);
+  for (const CullingMethod method : kAccurate)
+    ASSERT_EQ(pairs_by(method, start, end), expected) << culling_method_names()[static_cast<int>(method)];
+}
+
+/// The end of a step: each vertex moved by itself, or along a wave that all of them feel, or the surface turned.
+Positions step_from(const Surface& start, double strength, Random& random) {
+  Positions end = surfaces::jittered(start, strength * random.unit() * random.unit(), random).positions;
+  const Vec3 wave(random.within(-1, 1), random.within(-1, 1), random.within(-1, 1));
+  const Vec3 direction(random.within(-1, 1), random.within(-1, 1), random.within(-1, 1));
+  const double phase = random.within(0, 6), turn = random.below(3) == 0 ? random.within(-2, 2) : 0;
+  for (Vec3& x : end) {
+    x += strength * std::sin(wave.dot(x) + phase) * direction;
+    x = Vec3(x[0], std::cos(turn) * x[1] - std::sin(turn) * x[2], std::sin(turn) * x[1] + std::cos(turn) * x[2]);
+  }
+  return end;
+}
+
+class ContinuousCullingOf : public testing::TestWithParam<surfaces::Family> {};
+INSTANTIATE_TEST_SUITE_P(All, ContinuousCullingOf, testing::ValuesIn(surfaces::families()),
+                         [](const auto& family) { return family.param.name; });
+
+TEST_P(ContinuousCullingOf, ChangesNoAnswer) {
+  constexpr double kStrengths[] = {0, 0.01, 0.1, 1, 5};
+  Random random(31);
+  for (std::int64_t n = 0; n < scaled(60); ++n) {
+    Surface start = GetParam().make(random);
+    if (n % 3 == 0) start = surfaces::snapped(start, 3);
+    Positions end = step_from(start, kStrengths[n % 5], random);
+    if (n % 6 == 0) end = surfaces::snapped({end, start.triangles}, 3).positions;
+    ASSERT_NO_FATAL_FAILURE(expect_all_agree(start, end)) << n;
+  }
+}
+
+// Large enough that there is something to clear; every method must have cleared its share in all.
+TEST(ContinuousCulling, ChangesNoAnswerOnWavedSheets) {
+  Random random(32);
+  std::int64_t cleared[3] = {}, triangles = 0, pairs = 0;
+  for (std::int64_t n = 0; n < scaled(200); ++n) {
+    const Surface start = surfaces::waved_sheet(random);
+    const Positions end = step_from(start, std::pow(random.unit(), 4) * 3, random);
+    ContinuousCounters none;
+    const ContinuousPairs expected = pairs_by(CullingMethod::kBvh, start, end, &none);
+    ASSERT_EQ(none.cleared_triangles, 0);
+    for (int m = 0; m < 3; ++m) {
+      ContinuousCounters counters;
+      ASSERT_EQ(pairs_by(kAccurate[m], start, end, &counters), expected) << n;
+      cleared[m] += counters.cleared_triangles;
+    }
+    triangles += std::ssize(start.triangles);
+    pairs += std::ssize(expected.vertex_face) + std::ssize(expected.edge_edge);
+  }
+  EXPECT_GT(pairs, scaled(200));
+  for (const std::int64_t count : cleared) EXPECT_GT(count, triangles / 5);
+}
+
+TEST(ContinuousCulling, FollowsNewSteps) {
+  Random random(33);
+  for (std::int64_t n = 0; n < scaled(30); ++n) {
+    const Surface first = surfaces::waved_sheet(random);
+    const TriangleMesh mesh = first.mesh();
+    for (const CullingMethod method : kAccurate) {
+      ContinuousCollisionFinder finder(mesh, first.positions, first.positions, by(method));
+      Surface start = first;
+      for (int step = 0; step < 3; ++step) {
+        const Positions end = step_from(start, 0.2 * step, random);
+        finder.update(start.positions, end);
+        ASSERT_EQ(finder.find_pairs(), pairs_by(CullingMethod::kBvh, start, end)) << n;
+        ASSERT_EQ(finder.has_pairs(), !finder.find_pairs().empty());
+        start.positions = end;
+      }
+    }
+  }
+}
+
+TEST(ContinuousCulling, IsTheSameForAnyNumberOfThreads) {
+  Random random(34);
+  for (int n = 0; n < 5; ++n) {
+    const Surface start = surfaces::waved_sheet(random);
+    const Positions end = step_from(start, 0.3, random);
+    for (const CullingMethod method : kAccurate) {
+      ContinuousCounters one_thread, many;
+      ContinuousPairs pairs;
+      {
+        tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
+        pairs = pairs_by(method, start, end, &one_thread);
+      }
+      EXPECT_EQ(pairs_by(method, start, end, &many), pairs);
+      EXPECT_EQ(many.cleared_triangles, one_thread.cleared_triangles);
+      EXPECT_EQ(many.node_pairs, one_thread.node_pairs);
+    }
+  }
+}
+
+// A square turned over within the step: a graph at both ends, and in itself between.
+TEST(ContinuousCulling, SeesWhatHappensBetweenTheEnds) {
+  Random random(35);
+  const Surface start = surfaces::sheet(9, 9, random);
+  Positions end = start.positions;
+  for (Vec3& x : end) x[0] = 9 - x[0];
+  ContinuousCounters still, turned;
+  for (const CullingMethod method : kAccurate) {
+    EXPECT_TRUE(pairs_by(method, start, start.positions, &still).empty());
+    EXPECT_FALSE(pairs_by(method, start, end, &turned).empty());
+  }
+  EXPECT_EQ(still.cleared_triangles, std::ssize(kAccurate) * std::ssize(start.triangles));
+  EXPECT_EQ(turned.cleared_triangles, 0);
+  ASSERT_NO_FATAL_FAILURE(expect_all_agree(start, end));
+}
+
+// Layers that lie through each other and change places.
+TEST(ContinuousCulling, IsNotFooledByTheCounterexamples) {
+  std::vector<Surface> examples = {surfaces::crossed_rectangles(), surfaces::crosswise_squares()};
+  for (int turn = 0; turn < 90; turn += 30) examples.push_back(surfaces::overwound_sector(turn));
+  std::int64_t missed[std::size(kPublished)] = {};
+  for (const Surface& start : examples) {
+    Positions end = start.positions;
+    for (Vec3& x : end) x[2] = -x[2];
+    ASSERT_NO_FATAL_FAILURE(expect_all_agree(start, end));
+    const ContinuousPairs all = pairs_by(CullingMethod::kBvh, start, end);
+    EXPECT_FALSE(all.empty());
+    for (std::size_t m = 0; m < std::size(kPublished); ++m) {
+      const ContinuousPairs found = pairs_by(kPublished[m], start, end);
+      EXPECT_TRUE(
+          std::includes(all.edge_edge.begin(), all.edge_edge.end(), found.edge_edge.begin(), found.edge_edge.end()));
+      EXPECT_TRUE(std::includes(all.vertex_face.begin(), all.vertex_face.end(), found.vertex_face.begin(),
+                                found.vertex_face.end()));
+      missed[m] += std::ssize(all.edge_edge) - std::ssize(found.edge_edge);
+    }
+  }
+  EXPECT_GT(missed[0], 0);
+  EXPECT_GT(missed[2], 0);
+}
+
+}  // namespace
+
+}  // namespace selvage
