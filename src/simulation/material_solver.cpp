@@ -33,14 +33,19 @@ bool MaterialSolver::needs_start() const {
   return std::any_of(bodies_.begin(), bodies_.end(), [](const MaterialStep& step) { return step.damping > 0; });
 }
 
-void MaterialSolver::solve(std::span<VertexRow> vertices, std::span<const VertexRow> start, int iterations) {
+void MaterialSolver::solve_best(const MaterialTask& task, Index first, Index last) {
+  SELVAGE_DISPATCH(solve_blocks, task, first, last);
+}
+
+void MaterialSolver::solve(std::span<VertexRow> vertices, std::span<const VertexRow> start, int iterations,
+                           void (*kernel)(const MaterialTask&, Index first, Index last)) {
   MaterialTask task{vertices.data(), start.data(), blocks_.elements.data(), blocks_.edges.data(), blocks_.blocks.data(),
                     bodies_.data(),  true};
   for (int iteration = 0; iteration < iterations; ++iteration) {
     for (Index colour = 0; colour < blocks_.colour_count(); ++colour) {
       const Index base = blocks_.colour_first[colour];
       parallel_ranges(blocks_.colour_first[colour + 1] - base, 1, [&](std::int64_t first, std::int64_t last) {
-        SELVAGE_DISPATCH(solve_blocks, task, base + static_cast<Index>(first), base + static_cast<Index>(last));
+        kernel(task, base + static_cast<Index>(first), base + static_cast<Index>(last));
       });
     }
     task.is_first = false;

@@ -19,8 +19,12 @@ class MaterialSolver {
   /// Constraints solved in one iteration.
   std::int64_t constraint_count() const { return blocks_.constraint_count; }
 
-  /// All iterations of a step. The same bits for any number of threads.
-  void solve(std::span<VertexRow> vertices, std::span<const VertexRow> start, int iterations);
+  /// The kernel of the active instruction set.
+  static void solve_best(const MaterialTask& task, Index first, Index last);
+
+  /// All iterations of a step. The same bits for any number of threads, and with every kernel.
+  void solve(std::span<VertexRow> vertices, std::span<const VertexRow> start, int iterations,
+             void (*kernel)(const MaterialTask&, Index first, Index last) = &solve_best);
 
  private:
   MaterialBlocks blocks_;

@@ -1,18 +1,23 @@
 #include "selvage/simulation/xpbd.h"
 
+#include "selvage/contact/contact_finder.h"
 #include "selvage/core/error.h"
 #include "selvage/core/parallel.h"
 #include "simulation/material_solver.h"
+#include "simulation/project_contacts.h"
 
 #include <fmt/format.h>
 
 #include <chrono>
+#include <optional>
 
 namespace selvage {
 
 namespace {
 
 constexpr std::int64_t kGrain = 4096;
+/// Part of a step by which the rounding of times is forgiven.
+constexpr double kTimeSlack = 1e-6;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -31,16 +36,16 @@ void check_options(const XpbdOptions& options) {
   demand(options.dynamic_friction >= 0, "dynamic friction", options.dynamic_friction, "that is not negative");
 }
 
-void check_motion(const std::string& where, const Motion& motion) {
-  if (!(motion.axis.norm() > 0) || !motion.axis.allFinite() || !motion.centre.allFinite())
-    throw Error(where, "its axis or centre is not finite, or the axis is 0");
-  for (std::size_t i = 0; i < motion.keyframes.size(); ++i) {
-    const Keyframe& keyframe = motion.keyframes[i];
-    if (!std::isfinite(keyframe.time) || !keyframe.translation.allFinite() || !std::isfinite(keyframe.angle))
-      throw Error(where, fmt::format("key-frame {} is not finite", i));
-    if (i > 0 && !(motion.keyframes[i - 1].time < keyframe.time))
-      throw Error(where, fmt::format("key-frame {} is not later than the one before", i));
-  }
+void check_state(const Model& model, const State& state) {
+  const auto count = static_cast<std::size_t>(model.mesh.vertex_count());
+  if (!model.external_forces.empty() && model.external_forces.size() != count)
+    throw Error("external forces", fmt::format("{} for {} vertices", model.external_forces.size(), count),
+                "give one per vertex, or none at all");
+  if (state.positions.size() != count || state.velocities.size() != count)
+    throw Error("state",
+                fmt::format("{} positions and {} velocities for {} vertices", state.positions.size(),
+                            state.velocities.size(), count),
+                "give one of each per vertex");
 }
 
 void check_handles(const Model& model, std::span<const Handle> handles) {
@@ -65,13 +70,21 @@ struct XpbdSolver::Parts {
   XpbdOptions options;
   std::vector<Handle> handles;
   std::vector<std::vector<Vec3>> handle_places;  ///< where the vertices of each were at time 0
+  std::vector<Obstacle> obstacles;
   MaterialSolver material;
+  std::optional<ContactFinder> contact_finder;
+  std::vector<Vec3> proposed;  ///< positions after the material solve
+  std::vector<Contact> contacts;
   std::vector<VertexRow> vertices;  ///< as the step moves them, followed by the solver's stand-ins
   std::vector<VertexRow> start;     ///< the same at the start of the step, where it is needed
   StepStatistics statistics;
 
-  Parts(const Model& m, const State& initial, std::vector<Handle> h, XpbdOptions o)
-      : model(m), options(std::move(o)), handles(std::move(h)), material(m, options.time_step) {
+  Parts(const Model& m, const State& initial, std::vector<Handle> h, std::span<const Collider> colliders, XpbdOptions o)
+      : model(m),
+        options(o),
+        handles(std::move(h)),
+        obstacles(make_obstacles(colliders)),
+        material(m, options.time_step) {
     for (const Handle& handle : handles) {
       std::vector<Vec3>& places = handle_places.emplace_back();
       for (const Index v : handle.vertices) places.push_back(initial.positions[v]);
@@ -79,6 +92,12 @@ struct XpbdSolver::Parts {
     vertices.resize(model.mesh.vertex_count());
     vertices.insert(vertices.end(), material.stand_ins().begin(), material.stand_ins().end());
     if (material.needs_start()) start = vertices;
+    if (options.contact.mode == DetectionMode::kOff) return;
+    std::vector<Index> body_of(vertex_count(), kNone);
+    for (Index b = 0; b < std::ssize(model.bodies); ++b)
+      std::fill_n(body_of.begin() + model.bodies[b].first_vertex, model.bodies[b].vertex_count, b);
+    contact_finder.emplace(model.mesh, model.rest_positions, initial.positions, body_of, options.contact);
+    proposed.resize(vertex_count());
   }
 
   Index vertex_count() const { return model.mesh.vertex_count(); }
@@ -89,7 +108,7 @@ struct XpbdSolver::Parts {
   }
 
   /// Where vertices go when nothing is in their way.
-  void predict(const State& state, double end) {
+  void predict(const State& state, double from, double to) {
     const double step = options.time_step, kept = 1 / (1 + step * options.velocity_damping);
     for_each_vertex([&](Index v) {
       const double inverse_mass = model.inverse_masses[v];
@@ -102,8 +121,8 @@ struct XpbdSolver::Parts {
       place(v, state.positions[v] + step * velocity, inverse_mass);
     });
     for (std::size_t h = 0; h < handles.size(); ++h) {
-      if (end >= handles[h].release_time) continue;
-      const RigidTransform transform = handles[h].motion.at(end);
+      if (from + kTimeSlack * step >= handles[h].release_time) continue;
+      const RigidTransform transform = handles[h].motion.at(to);
       for (std::size_t i = 0; i < handles[h].vertices.size(); ++i)
         place(handles[h].vertices[i], transform(handle_places[h][i]), 0);
     }
@@ -147,18 +166,41 @@ struct XpbdSolver::Parts {
     });
   }
 
+  void solve_material() {
+    const auto begin = std::chrono::steady_clock::now();
+    material.solve(vertices, start, options.iterations);
+    statistics.seconds_material = seconds_since(begin);
+    statistics.constraints = material.constraint_count() * options.iterations;
+  }
+
+  void find_contacts() {
+    if (!contact_finder) return;
+    for_each_vertex([&](Index v) { proposed[v] = position(v); });
+    contact_finder->find_contacts(proposed, contacts);
+    statistics.contact = contact_finder->statistics();
+  }
+
+  void project(const State& state, double from, double to) {
+    const auto begin = std::chrono::steady_clock::now();
+    project_contacts(contacts, state.positions, {options.static_friction, options.dynamic_friction}, vertices);
+    statistics.collider_contacts = project_obstacles(obstacles, from, to, state.positions, vertices);
+    statistics.seconds_projection = seconds_since(begin);
+  }
+
   void step(State& state) {
     const auto begin = std::chrono::steady_clock::now();
     statistics = {};
-    const double end = static_cast<double>(state.steps + 1) * options.time_step;
-    predict(state, end);
-    const auto solving = std::chrono::steady_clock::now();
-    material.solve(vertices, start, options.iterations);
-    statistics.seconds_material = seconds_since(solving);
-    statistics.constraints = material.constraint_count() * options.iterations;
+    const double from = static_cast<double>(state.steps) * options.time_step;
+    const double to = static_cast<double>(state.steps + 1) * options.time_step;
+    if (contact_finder) contact_finder->begin_step(state.positions);
+    predict(state, from, to);
+    solve_material();
+    check_finite(state.steps + 1);
+    find_contacts();
+    project(state, from, to);
     check_finite(state.steps + 1);
     finish(state);
-    state.time = end;
+    state.time = to;
     ++state.steps;
     statistics.seconds = seconds_since(begin);
   }
@@ -167,15 +209,16 @@ struct XpbdSolver::Parts {
 XpbdSolver::XpbdSolver(const Model& model, const State& initial, std::vector<Handle> handles,
                        std::vector<Collider> colliders, XpbdOptions options) {
   check_options(options);
+  check_state(model, initial);
   check_handles(model, handles);
-  (void)colliders;
-  parts_ = std::make_unique<Parts>(model, initial, std::move(handles), std::move(options));
+  parts_ = std::make_unique<Parts>(model, initial, std::move(handles), colliders, options);
 }
 XpbdSolver::~XpbdSolver() = default;
 XpbdSolver::XpbdSolver(XpbdSolver&&) noexcept = default;
 XpbdSolver& XpbdSolver::operator=(XpbdSolver&&) noexcept = default;
 
 void XpbdSolver::step(State& state) {
+  check_state(parts_->model, state);
   parts_->step(state);
 }
 

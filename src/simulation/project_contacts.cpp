@@ -1,0 +1,84 @@
+#include "simulation/project_contacts.h"
+
+#include "selvage/contact/friction.h"
+#include "selvage/core/parallel.h"
+
+namespace selvage {
+
+namespace {
+
+Eigen::Map<Eigen::Vector3d> position(VertexRow& vertex) {
+  return Eigen::Map<Eigen::Vector3d>(vertex.position);
+}
+
+void project_contact(const Contact& contact, std::span<const Vec3> start, Friction friction,
+                     std::span<VertexRow> vertices) {
+  Vec3 offset = Vec3::Zero(), offset_before = Vec3::Zero();
+  double mobility = 0;
+  for (int i = 0; i < contact.count; ++i) {
+    VertexRow& vertex = vertices[contact.vertices[i]];
+    offset += contact.weights[i] * position(vertex);
+    offset_before += contact.weights[i] * start[contact.vertices[i]];
+    mobility += vertex.inverse_mass * contact.weights[i] * contact.weights[i];
+  }
+  const double depth = -contact.normal.dot(offset);
+  if (!(depth > 0) || !(mobility > 0)) return;
+  const Vec3 out = depth * contact.normal;
+  const Vec3 displacement = offset + out - offset_before;
+  const Vec3 correction =
+      out + friction_correction(displacement, contact.normal, depth, friction.at_rest, friction.sliding);
+  for (int i = 0; i < contact.count; ++i) {
+    VertexRow& vertex = vertices[contact.vertices[i]];
+    position(vertex) += vertex.inverse_mass * contact.weights[i] / mobility * correction;
+  }
+}
+
+struct Count {
+  std::int64_t value = 0;
+  void add(const Count& other) { value += other.value; }
+};
+
+/// An obstacle and where it is at the ends of a step.
+struct MovingObstacle {
+  const Obstacle& obstacle;
+  RigidTransform from, to;
+
+  bool push_out(const Vec3& start, VertexRow& vertex) const {
+    const Vec3 p = to.invert(position(vertex));
+    const std::optional<Hit> hit = obstacle.find_hit(p);
+    if (!hit) return false;
+    const Vec3 outside = p + hit->depth * hit->normal;
+    const Vec3 slide = friction_correction(outside - from.invert(start), hit->normal, hit->depth,
+                                           obstacle.static_friction, obstacle.dynamic_friction);
+    // Back from where the slide leaves a hollow wall.
+    const Vec3 held = outside + slide;
+    const std::optional<Hit> again = obstacle.find_hit(held);
+    position(vertex) = to(again ? Vec3(held + again->depth * again->normal) : held);
+    return true;
+  }
+};
+
+}  // namespace
+
+void project_contacts(std::span<const Contact> contacts, std::span<const Vec3> start, Friction friction,
+                      std::span<VertexRow> vertices) {
+  for (const Contact& contact : contacts) project_contact(contact, start, friction, vertices);
+}
+
+std::int64_t project_obstacles(std::span<const Obstacle> obstacles, double from, double to, std::span<const Vec3> start,
+                               std::span<VertexRow> vertices) {
+  std::vector<MovingObstacle> moving;
+  for (const Obstacle& obstacle : obstacles)
+    moving.push_back({obstacle, obstacle.motion.at(from), obstacle.motion.at(to)});
+  if (moving.empty()) return 0;
+  constexpr std::int64_t kGrain = 1024;
+  const auto count =
+      parallel_reduce<Count>(std::ssize(start), kGrain, [&](std::int64_t first, std::int64_t last, Count& hits) {
+        for (std::int64_t v = first; v < last; ++v)
+          if (vertices[v].inverse_mass > 0)
+            for (const MovingObstacle& obstacle : moving) hits.value += obstacle.push_out(start[v], vertices[v]);
+      });
+  return count.value;
+}
+
+}  // namespace selvage

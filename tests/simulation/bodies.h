@@ -1,0 +1,109 @@
+#pragma once
+
+#include "selvage/mesh/shapes.h"
+#include "selvage/simulation/xpbd.h"
+
+namespace selvage::bodies {
+
+/// A model of one body a mesh, all of one material.
+inline Model make(std::span<const MeshFile> meshes, const Material& material) {
+  std::vector<Body> made;
+  Index vertices = 0, elements = 0;
+  for (const MeshFile& mesh : meshes) {
+    Body body{"body" + std::to_string(made.size()), vertices, 0, elements, 0, material};
+    body.vertex_count = static_cast<Index>(mesh.positions.size());
+    body.element_count = static_cast<Index>(mesh.tetrahedra.size());
+    vertices += body.vertex_count;
+    elements += body.element_count;
+    made.push_back(body);
+  }
+  const MeshFile all = concatenate(meshes);
+  return make_model(TetMesh(vertices, all.tetrahedra), all.positions, made);
+}
+
+inline Model make(const MeshFile& mesh, const Material& material) {
+  return make(std::span(&mesh, 1), material);
+}
+
+inline Material neo_hookean(double youngs_modulus, double poisson_ratio = 0.45) {
+  Material material;
+  material.youngs_modulus = youngs_modulus;
+  material.poisson_ratio = poisson_ratio;
+  return material;
+}
+
+inline Material springs(double edge_compliance = 0, double volume_compliance = 0) {
+  Material material;
+  material.kind = MaterialKind::kMassSpring;
+  material.edge_compliance = edge_compliance;
+  material.volume_compliance = volume_compliance;
+  return material;
+}
+
+inline MeshFile moved(MeshFile mesh, const Vec3& offset) {
+  for (Vec3& p : mesh.positions) p += offset;
+  return mesh;
+}
+
+inline XpbdOptions without_contact() {
+  XpbdOptions options;
+  options.contact.mode = DetectionMode::kOff;
+  return options;
+}
+
+inline double mass(const Model& model, Index v) {
+  return model.inverse_masses[v] > 0 ? 1 / model.inverse_masses[v] : 0;
+}
+
+inline Vec3 momentum(const Model& model, const State& state) {
+  Vec3 sum = Vec3::Zero();
+  for (Index v = 0; v < model.mesh.vertex_count(); ++v) sum += mass(model, v) * state.velocities[v];
+  return sum;
+}
+
+inline Vec3 angular_momentum(const Model& model, const State& state) {
+  Vec3 sum = Vec3::Zero();
+  for (Index v = 0; v < model.mesh.vertex_count(); ++v)
+    sum += mass(model, v) * state.positions[v].cross(state.velocities[v]);
+  return sum;
+}
+
+inline double kinetic_energy(const Model& model, const State& state) {
+  double sum = 0;
+  for (Index v = 0; v < model.mesh.vertex_count(); ++v) sum += 0.5 * mass(model, v) * state.velocities[v].squaredNorm();
+  return sum;
+}
+
+inline Vec3 centre(const Model& model, const State& state) {
+  Vec3 sum = Vec3::Zero();
+  double all = 0;
+  for (Index v = 0; v < model.mesh.vertex_count(); ++v) {
+    sum += mass(model, v) * state.positions[v];
+    all += mass(model, v);
+  }
+  return sum / all;
+}
+
+inline std::int64_t inverted_elements(const Model& model, const State& state) {
+  std::int64_t count = 0;
+  for (const auto& e : model.mesh.elements()) {
+    const auto edge = [&](int k) { return Vec3(state.positions[e[k]] - state.positions[e[0]]); };
+    count += edge(1).dot(edge(2).cross(edge(3))) <= 0;
+  }
+  return count;
+}
+
+/// Largest change of an edge's length, relative to rest.
+inline double worst_stretch(const Model& model, const State& state) {
+  double worst = 0;
+  for (const auto& e : model.mesh.elements())
+    for (int a = 0; a < 4; ++a)
+      for (int b = 0; b < a; ++b) {
+        const double now = (state.positions[e[a]] - state.positions[e[b]]).norm();
+        const double rest = (model.rest_positions[e[a]] - model.rest_positions[e[b]]).norm();
+        worst = std::max(worst, std::abs(now / rest - 1));
+      }
+  return worst;
+}
+
+}  // namespace selvage::bodies

@@ -1,0 +1,170 @@
+#include "bodies.h"
+#include "selvage/core/error.h"
+
+#include <gtest/gtest.h>
+
+namespace selvage {
+namespace {
+
+using namespace bodies;
+
+/// A slab that starts on a slope of that angle, touching it.
+struct Slope {
+  Model model;
+  State state;
+  Vec3 down, normal;
+
+  explicit Slope(double degrees) : model(make(make_box({0.2, 0.2, 0.1}, 0.05), neo_hookean(1e5, 0.3))) {
+    const double angle = degrees * M_PI / 180;
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(angle, Vec3::UnitY()).toRotationMatrix();
+    down = turn * Vec3::UnitX();
+    normal = turn * Vec3::UnitZ();
+    std::vector<Vec3> positions = model.rest_positions;
+    for (Vec3& p : positions) p = turn * p;
+    state = make_state(model, positions);
+  }
+
+  /// How fast its middle slides after that many steps [m/s].
+  double run(double at_rest, double sliding, int steps, double velocity_damping = 0) {
+    XpbdOptions options = without_contact();
+    options.iterations = 10;
+    options.velocity_damping = velocity_damping;
+    XpbdSolver solver(model, state, {}, {{PlaneShape{Vec3::Zero(), normal}, {}, at_rest, sliding}}, options);
+    for (int i = 0; i < steps; ++i) solver.step(state);
+    return momentum(model, state).dot(down) / (1000 * 0.2 * 0.2 * 0.1);
+  }
+};
+
+TEST(Slope, HoldsABlockUpToTheAngleOfFriction) {
+  // tan 20 degrees is 0.364, tan 30 degrees 0.577.
+  EXPECT_LT(std::abs(Slope(20).run(0.45, 0.45, 300)), 0.01);
+  EXPECT_LT(std::abs(Slope(30).run(0.65, 0.65, 300)), 0.01);
+  EXPECT_GT(Slope(20).run(0.30, 0.30, 300), 0.3);
+  EXPECT_GT(Slope(30).run(0.50, 0.50, 300), 0.3);
+}
+
+TEST(Slope, LetsABlockSlideAsCoulombSays) {
+  for (const double degrees : {20.0, 30.0, 40.0})
+    for (const double sliding : {0.0, 0.1, 0.3}) {
+      const double angle = degrees * M_PI / 180;
+      const double expected = 9.81 * (std::sin(angle) - sliding * std::cos(angle));
+      EXPECT_NEAR(Slope(degrees).run(sliding, sliding, 300), expected, 0.05 * expected + 0.02) << degrees << sliding;
+    }
+}
+
+TEST(Slope, StartsToSlideOnlyAboveStaticFriction) {
+  // The tangent of 25 degrees is 0.466.
+  for (const bool holds : {true, false}) {
+    Slope slope(25);
+    slope.run(5, 5, 200, 30);  // what shakes and presses unevenly settles
+    const double speed = slope.run(holds ? 0.7 : 0.42, 0.4, 300);
+    EXPECT_EQ(std::abs(speed) < 0.01, holds) << speed;
+    EXPECT_EQ(speed > 0.3, !holds) << speed;
+  }
+}
+
+MeshShape cube(double size) {
+  const MeshFile box = make_box({size, size, size}, size);
+  const TetMesh mesh(static_cast<Index>(box.positions.size()), box.tetrahedra);
+  return {box.positions, {mesh.boundary_faces().begin(), mesh.boundary_faces().end()}};
+}
+
+struct Case {
+  const char* name;
+  Collider collider;
+  Vec3 start;  ///< of the body's lower corner
+  bool (*is_inside)(const Vec3&, double tolerance);
+};
+
+std::vector<Case> cases() {
+  const auto with = [](auto shape) { return Collider{shape, {}, 0.8, 0.8}; };
+  const auto below = [](const Vec3& p, double t) { return p[2] < -t; };
+  std::vector<Case> cases;
+  cases.push_back({"plane", with(PlaneShape{}), {0, 0, 0.1}, below});
+  cases.push_back(
+      {"container", with(BoxContainer{{-0.1, -0.1, 0}, {0.4, 0.4, 1}}), {0, 0, 0.1}, [](const Vec3& p, double t) {
+         return p[2] < -t || p.head<2>().minCoeff() < -0.1 - t || p.head<2>().maxCoeff() > 0.4 + t;
+       }});
+  cases.push_back({"bowl", with(Bowl{{0, 0, 1}, {0, 0, 2}, 1}), {0.3, 0.1, 0.5}, [](const Vec3& p, double t) {
+                     return p[2] < 1 && (p - Vec3(0, 0, 1)).norm() > 1 + t;
+                   }});
+  cases.push_back({"sphere", with(SphereShape{{0.1, 0.1, -1}, 1}), {0, 0, 0.1}, [](const Vec3& p, double t) {
+                     return (p - Vec3(0.1, 0.1, -1)).norm() < 1 - t;
+                   }});
+  cases.push_back({"cylinder", with(CylinderShape{{0.1, 0.1, -0.5}, {0, 0, 1}, 0.5, 1}), {0, 0, 0.1}, below});
+  MeshShape block = cube(1);
+  for (Vec3& p : block.positions) p -= Vec3(0.4, 0.4, 1);
+  cases.push_back({"mesh", with(block), {0, 0, 0.1}, below});
+  return cases;
+}
+
+TEST(Colliders, CarryWhatFallsOnThem) {
+  for (const Case& c : cases()) {
+    const Model model = make(moved(make_box({0.2, 0.2, 0.2}, 0.05), c.start), neo_hookean(2e5));
+    State state = make_state(model, model.rest_positions);
+    XpbdOptions options = without_contact();
+    options.iterations = 5;
+    options.velocity_damping = 1;
+    XpbdSolver solver(model, state, {}, {c.collider}, options);
+    std::int64_t touching = 0;
+    for (int i = 0; i < 900; ++i) {
+      solver.step(state);
+      for (const Vec3& p : state.positions) ASSERT_FALSE(c.is_inside(p, 1e-9)) << c.name << " step " << i;
+      touching = solver.statistics().collider_contacts;
+    }
+    EXPECT_GT(touching, 0) << c.name;
+    EXPECT_LT(kinetic_energy(model, state), 0.01 * 8 * 9.81 * 0.1) << c.name;
+    EXPECT_EQ(inverted_elements(model, state), 0) << c.name;
+    EXPECT_LT(worst_stretch(model, state), 0.2) << c.name;
+  }
+}
+
+TEST(Colliders, TakeAlongWhatTheyCarry) {
+  const Model model = make(make_box({0.2, 0.2, 0.1}, 0.05), neo_hookean(1e5));
+  State state = make_state(model, model.rest_positions);
+  // A floor that moves sideways at 0.5 m/s and then stops: no sliding at 1 m/s^2 below the limit of friction.
+  const Motion motion{{{0, Vec3(0, 0, 0)}, {1, Vec3(0.5, 0, 0)}}};
+  XpbdSolver solver(model, state, {}, {{PlaneShape{}, motion, 0.9, 0.9}}, without_contact());
+  for (int i = 0; i < 240; ++i) solver.step(state);
+  EXPECT_NEAR(momentum(model, state)[0] / 4, 0.5, 0.02);
+  for (int i = 0; i < 300; ++i) solver.step(state);
+  EXPECT_NEAR(momentum(model, state)[0] / 4, 0, 0.02);
+}
+
+TEST(Colliders, PushWhatTheyRunInto) {
+  const Model model = make(moved(make_box({0.2, 0.2, 0.2}, 0.1), {0.3, -0.1, 0.1}), neo_hookean(1e5));
+  State state = make_state(model, model.rest_positions);
+  MeshShape block = cube(0.4);
+  for (Vec3& p : block.positions) p = Vec3(p[0] - 0.2, p[1] - 0.2, 3 * p[2] - 0.6);
+  // Turned by a right angle on the way.
+  const Motion motion{{{0, Vec3(0, 0, 0), 0}, {1, Vec3(1, 0, 0), M_PI / 2}}};
+  XpbdSolver solver(model, state, {}, {{PlaneShape{}}, {block, motion, 0, 0}}, without_contact());
+  for (int i = 0; i < 300; ++i) solver.step(state);
+  for (const Vec3& p : state.positions) EXPECT_GT((p - Vec3(1, 0, 0)).head<2>().lpNorm<Eigen::Infinity>(), 0.2 - 1e-6);
+}
+
+TEST(Colliders, AreRefusedWhenImpossible) {
+  const Model model = make(make_box({0.2, 0.2, 0.2}, 0.2), neo_hookean(1e5));
+  const State state = make_state(model, model.rest_positions);
+  MeshShape open = cube(1);
+  open.triangles.pop_back();
+  std::vector<Collider> wrong = {{SphereShape{Vec3::Zero(), 0}},
+                                 {PlaneShape{Vec3::Zero(), Vec3::Zero()}},
+                                 {BoxContainer{Vec3::Ones(), Vec3::Zero()}},
+                                 {CylinderShape{Vec3::Zero(), Vec3::UnitX(), 1, -1}},
+                                 {Bowl{Vec3::Zero(), Vec3::UnitZ(), NAN}},
+                                 {open},
+                                 {PlaneShape{}, {}, -1, 0},
+                                 {PlaneShape{}, {{{1}, {0}}}}};
+  for (const Collider& collider : wrong) {
+    try {
+      XpbdSolver(model, state, {}, {{PlaneShape{}}, collider}, without_contact());
+      ADD_FAILURE() << "shape " << collider.shape.index();
+    } catch (const Error& error) {
+      EXPECT_EQ(std::string(error.what()).substr(0, 10), "collider 1") << error.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace selvage

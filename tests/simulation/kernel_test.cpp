@@ -1,0 +1,300 @@
+#include "bodies.h"
+#include "simulation/material_kernel.h"
+#include "simulation/material_solver.h"
+#include "test_scale.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <random>
+
+namespace selvage {
+
+namespace scalar {
+void solve_blocks(const MaterialTask&, Index first, Index last);
+}
+
+namespace {
+
+using namespace bodies;
+using Matrix3 = Eigen::Matrix3d;
+using Solve = void (*)(const MaterialTask&, Index, Index);
+
+struct Variant {
+  const char* name;
+  Isa needs;
+  Solve solve;
+};
+
+std::vector<Variant> variants() {
+  std::vector<Variant> variants = {{"scalar", Isa::baseline, &scalar::solve_blocks},
+                                   {"baseline", Isa::baseline, &baseline::solve_blocks},
+                                   {"avx2", Isa::avx2, &avx2::solve_blocks},
+                                   {"avx512", Isa::avx512, &avx512::solve_blocks}};
+  std::erase_if(variants, [](const Variant& variant) { return variant.needs > active_isa(); });
+  return variants;
+}
+
+/// A constraint as the papers write it down: its value for given positions, and its compliance over the squared step.
+struct Constraint {
+  std::vector<Index> vertices;
+  std::function<double(const std::vector<Vec3>&)> value;
+  std::function<std::vector<Vec3>(const std::vector<Vec3>&)> gradients;
+  double compliance;
+  double rest_weight;  ///< of its gradients, for the bound of what it moves; 0: unbounded
+};
+
+Matrix3 edges_of(const std::vector<Vec3>& x) {
+  Matrix3 edges;
+  for (int k = 0; k < 3; ++k) edges.col(k) = x[k + 1] - x[0];
+  return edges;
+}
+
+Matrix3 cofactor(const Matrix3& f) {
+  Matrix3 c;
+  for (int k = 0; k < 3; ++k) c.col(k) = f.col((k + 1) % 3).cross(f.col((k + 2) % 3));
+  return c;
+}
+
+/// Gradients at the four vertices of what has the derivative `stress` by the deformation gradient.
+std::vector<Vec3> at_vertices(const Matrix3& stress, const Matrix3& rest_inverse) {
+  const Matrix3 columns = stress * rest_inverse.transpose();
+  return {-columns.rowwise().sum(), columns.col(0), columns.col(1), columns.col(2)};
+}
+
+struct Element {
+  Matrix3 inverse;
+  double volume;
+};
+
+Constraint deviatoric(const Element& element, double compliance) {
+  const auto value = [element](const std::vector<Vec3>& x) {
+    const Matrix3 f = edges_of(x) * element.inverse;
+    const double j = f.determinant();
+    return std::sqrt(std::max(0.0, f.squaredNorm() + j * j - 4 * j));
+  };
+  const auto gradients = [element, value](const std::vector<Vec3>& x) {
+    const Matrix3 f = edges_of(x) * element.inverse;
+    return at_vertices((f + (f.determinant() - 2) * cofactor(f)) / value(x), element.inverse);
+  };
+  return {{}, value, gradients, compliance / element.volume, 0};
+}
+
+Constraint hydrostatic(const Element& element, double compliance) {
+  const auto value = [element](const std::vector<Vec3>& x) {
+    return (edges_of(x) * element.inverse).determinant() - 1;
+  };
+  const auto gradients = [element](const std::vector<Vec3>& x) {
+    return at_vertices(cofactor(edges_of(x) * element.inverse), element.inverse);
+  };
+  return {{}, value, gradients, compliance / element.volume, 0};
+}
+
+Constraint spring(double length, double compliance) {
+  const auto value = [length](const std::vector<Vec3>& x) { return (x[1] - x[0]).norm() - length; };
+  const auto gradients = [](const std::vector<Vec3>& x) {
+    const Vec3 direction = (x[1] - x[0]).normalized();
+    return std::vector<Vec3>{-direction, direction};
+  };
+  return {{}, value, gradients, compliance, 0};
+}
+
+TEST(Gradients, AreFiniteDifferences) {
+  std::mt19937 engine(1);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const auto random_points = [&](int count) {
+    std::vector<Vec3> points(count);
+    for (Vec3& p : points) p = Vec3(uniform(engine), uniform(engine), uniform(engine));
+    return points;
+  };
+  for (std::int64_t n = 0; n < test::scaled(200); ++n) {
+    const Matrix3 rest = edges_of(random_points(4));
+    if (std::abs(rest.determinant()) < 0.1) continue;
+    const Element element{rest.inverse(), std::abs(rest.determinant()) / 6};
+    for (const Constraint& c : {deviatoric(element, 1), hydrostatic(element, 1), spring(0.5, 1)}) {
+      std::vector<Vec3> x = random_points(4);
+      const std::vector<Vec3> gradients = c.gradients(x);
+      for (std::size_t i = 0; i < gradients.size(); ++i)
+        for (int axis = 0; axis < 3; ++axis) {
+          const double at = x[i][axis], step = 1e-6;
+          x[i][axis] = at + step;
+          const double above = c.value(x);
+          x[i][axis] = at - step;
+          const double difference = (above - c.value(x)) / (2 * step);
+          x[i][axis] = at;
+          ASSERT_NEAR(difference, gradients[i][axis], 1e-5 * (1 + std::abs(difference) + gradients[i].norm()));
+        }
+    }
+  }
+}
+
+// The two constraints together are the energy of Macklin and Muller, whose hydrostatic one is det F - 1 - mu / lambda'.
+TEST(Gradients, AreOfTheNeoHookeanEnergy) {
+  std::mt19937 engine(2);
+  std::uniform_real_distribution<double> uniform(-2, 2);
+  const double shear = 3, bulk = 7, sum = shear + bulk;
+  double offset = 0;
+  for (int n = 0; n < 100; ++n) {
+    std::vector<Vec3> x(4);
+    for (Vec3& p : x) p = Vec3(uniform(engine), uniform(engine), uniform(engine));
+    const Matrix3 f = edges_of(x);
+    const double deviation = deviatoric({Matrix3::Identity(), 1}, 1).value(x);
+    const double dilation = hydrostatic({Matrix3::Identity(), 1}, 1).value(x);
+    const double theirs = f.determinant() - 1 - shear / sum;
+    const double difference = shear / 2 * deviation * deviation + bulk / 2 * dilation * dilation -
+                              (shear / 2 * f.squaredNorm() + sum / 2 * theirs * theirs);
+    if (n == 0) offset = difference;
+    ASSERT_NEAR(difference, offset, 1e-9 * (1 + f.squaredNorm() * sum * (1 + theirs * theirs)));
+  }
+}
+
+/// The slow twin: one constraint after the other as XPBD's equations 17, 18 and 26 have it.
+class Twin {
+ public:
+  Twin(const Model& model, const MaterialBlocks& blocks, double time_step) : model_(model), step_(time_step) {
+    for (const MaterialBlock& block : blocks.blocks) {
+      const Material& material = model.bodies[block.body].material;
+      for (Index n = block.first_edge_batch; n < block.last_edge_batch; ++n)
+        for (int lane = 0; lane < kBatch; ++lane)
+          add(spring(blocks.edges[n].length[lane], material.edge_compliance / (step_ * step_)),
+              {blocks.edges[n].vertices[0][lane], blocks.edges[n].vertices[1][lane]}, material);
+      for (Index n = block.first_element_batch; n < block.last_element_batch; ++n)
+        for (int lane = 0; lane < kBatch; ++lane) {
+          const auto& of = blocks.elements[n].vertices;
+          add_element({of[0][lane], of[1][lane], of[2][lane], of[3][lane]}, material);
+        }
+    }
+  }
+
+  void solve(std::vector<VertexRow>& rows, const std::vector<VertexRow>& start, int iterations) {
+    std::vector<double> multipliers(constraints_.size(), 0);
+    for (int iteration = 0; iteration < iterations; ++iteration)
+      for (std::size_t n = 0; n < constraints_.size(); ++n)
+        solve_one(constraints_[n], damping_[n], multipliers[n], rows, start);
+  }
+
+ private:
+  void add(Constraint constraint, std::vector<Index> vertices, const Material& material) {
+    for (const Index v : vertices)
+      if (v >= model_.mesh.vertex_count()) return;
+    constraint.vertices = std::move(vertices);
+    constraints_.push_back(std::move(constraint));
+    damping_.push_back(material.damping / step_);
+  }
+
+  void add_element(const std::vector<Index>& vertices, const Material& material) {
+    std::vector<Vec3> rest;
+    for (const Index v : vertices) {
+      if (v >= model_.mesh.vertex_count()) return;
+      rest.push_back(model_.rest_positions[v]);
+    }
+    const Element element{edges_of(rest).inverse(), edges_of(rest).determinant() / 6};
+    double weight = 0;
+    const std::vector<Vec3> shape = at_vertices(Matrix3::Identity(), element.inverse);
+    for (int k = 0; k < 4; ++k) weight += model_.inverse_masses[vertices[k]] * shape[k].squaredNorm();
+    const double shear = material.youngs_modulus / (2 * (1 + material.poisson_ratio));
+    const double bulk = 2 * shear * material.poisson_ratio / (1 - 2 * material.poisson_ratio);
+    Constraint first = deviatoric(element, 1 / (shear * step_ * step_));
+    Constraint second = hydrostatic(element, 1 / (bulk * step_ * step_));
+    if (material.kind == MaterialKind::kMassSpring)
+      second.compliance = material.volume_compliance / (element.volume * element.volume * step_ * step_);
+    first.rest_weight = second.rest_weight = weight;
+    if (material.kind == MaterialKind::kNeoHookean) add(first, vertices, material);
+    add(second, vertices, material);
+  }
+
+  static std::vector<Vec3> gather(const std::vector<VertexRow>& rows, const std::vector<Index>& vertices) {
+    std::vector<Vec3> x;
+    for (const Index v : vertices) x.push_back(Eigen::Map<const Eigen::Vector3d>(rows[v].position));
+    return x;
+  }
+
+  static void solve_one(const Constraint& c, double damping, double& multiplier, std::vector<VertexRow>& rows,
+                        const std::vector<VertexRow>& start) {
+    const std::vector<Vec3> x = gather(rows, c.vertices), gradients = c.gradients(x);
+    double residual = c.value(x) + c.compliance * multiplier, weight = 0;
+    const std::vector<Vec3> from = gather(start, c.vertices);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      residual += damping * gradients[i].dot(x[i] - from[i]);
+      weight += rows[c.vertices[i]].inverse_mass * gradients[i].squaredNorm();
+    }
+    const double bound = 0.25 * residual * residual * c.rest_weight;
+    const double change = -residual / ((1 + damping) * weight + c.compliance + bound);
+    multiplier += change;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      VertexRow& row = rows[c.vertices[i]];
+      for (int axis = 0; axis < 3; ++axis) row.position[axis] += row.inverse_mass * change * gradients[i][axis];
+    }
+  }
+
+  const Model& model_;
+  double step_;
+  std::vector<Constraint> constraints_;
+  std::vector<double> damping_;
+};
+
+/// Vertices off their rest by up to so much, a few of them pinned.
+std::vector<VertexRow> shaken(const Model& model, double reach, std::span<const VertexRow> stand_ins, unsigned seed) {
+  std::mt19937 engine(seed);
+  std::uniform_real_distribution<double> uniform(-reach, reach);
+  std::vector<VertexRow> rows;
+  for (Index v = 0; v < model.mesh.vertex_count(); ++v) {
+    const Vec3& p = model.rest_positions[v];
+    const double x = p[0] + uniform(engine), y = p[1] + uniform(engine), z = p[2] + uniform(engine);
+    rows.push_back({{x, y, z}, v % 17 == 0 ? 0 : model.inverse_masses[v]});
+  }
+  rows.insert(rows.end(), stand_ins.begin(), stand_ins.end());
+  return rows;
+}
+
+class Kernel : public testing::TestWithParam<Material> {};
+INSTANTIATE_TEST_SUITE_P(Materials, Kernel,
+                         testing::Values(neo_hookean(1e4), neo_hookean(1e6, 0.3), springs(), springs(1e-4, 1e-9)));
+
+TEST_P(Kernel, DoesWhatTheTwinDoesAndTheSameOnEveryInstructionSet) {
+  for (const double damping : {0.0, 0.002}) {
+    Material material = GetParam();
+    material.damping = damping;
+    const Model model = make(make_box({0.4, 0.3, 0.2}, 0.05), material);
+    const double time_step = 1.0 / 300;
+    const MaterialBlocks blocks = make_material_blocks(model);
+    for (const double reach : {0.001, 0.01, 0.1}) {
+      const auto start = shaken(model, 0.001, blocks.stand_ins, 1);
+      std::vector<VertexRow> before = shaken(model, reach, blocks.stand_ins, 2), expected = before;
+      const int iterations = 2;
+      Model pinned = model;  // the twin bounds its moves by the masses that the kernel is given
+      for (Index v = 0; v < model.mesh.vertex_count(); ++v) pinned.inverse_masses[v] = before[v].inverse_mass;
+      Twin(pinned, blocks, time_step).solve(expected, start, iterations);
+      std::vector<VertexRow> first;
+      for (const Variant& variant : variants()) {
+        MaterialSolver solver(model, time_step);
+        std::vector<VertexRow> rows = before;
+        solver.solve(rows, start, iterations, variant.solve);
+        double worst = 0;
+        for (std::size_t v = 0; v < rows.size(); ++v)
+          for (int axis = 0; axis < 3; ++axis)
+            worst = std::max(worst, std::abs(rows[v].position[axis] - expected[v].position[axis]));
+        EXPECT_LT(worst, 1e-9) << variant.name << ", reach " << reach << ", damping " << damping;
+        if (first.empty()) first = rows;
+        EXPECT_EQ(std::memcmp(rows.data(), first.data(), sizeof(VertexRow) * rows.size()), 0) << variant.name;
+      }
+    }
+  }
+}
+
+TEST(Kernel, LeavesPinnedAndCollapsedElementsFinite) {
+  for (const Material& material : {neo_hookean(1e5), springs()}) {
+    const Model model = make(make_box({0.2, 0.2, 0.2}, 0.1), material);
+    MaterialSolver solver(model, 1.0 / 300);
+    for (const bool pinned : {false, true}) {
+      std::vector<VertexRow> rows(model.mesh.vertex_count(), {{0.5, 0.5, 0.5}, pinned ? 0.0 : 1.0});
+      rows.insert(rows.end(), solver.stand_ins().begin(), solver.stand_ins().end());
+      solver.solve(rows, rows, 3);
+      for (const VertexRow& row : rows)
+        for (const double x : row.position) ASSERT_TRUE(std::isfinite(x));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace selvage

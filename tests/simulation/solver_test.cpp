@@ -1,0 +1,184 @@
+#include "bodies.h"
+#include "selvage/core/error.h"
+
+#include <tbb/global_control.h>
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+namespace selvage {
+namespace {
+
+using namespace bodies;
+
+TEST(Handles, ReachTheirKeyframesExactly) {
+  const Model model = make(make_box({0.5, 0.1, 0.1}, 0.05), neo_hookean(1e5));
+  State state = make_state(model, model.rest_positions);
+  Handle pinned, moving;
+  for (Index v = 0; v < model.mesh.vertex_count(); ++v) {
+    if (model.rest_positions[v][0] < 0.001) pinned.vertices.push_back(v);
+    if (model.rest_positions[v][0] > 0.499) moving.vertices.push_back(v);
+  }
+  moving.motion.keyframes = {{0, Vec3::Zero(), 0}, {0.5, Vec3(0.1, 0, 0.2), M_PI}, {1, Vec3(0.1, 0, 0), 2 * M_PI}};
+  moving.motion.axis = Vec3::UnitX();
+  moving.motion.centre = Vec3(0, 0.05, 0.05);
+  XpbdSolver solver(model, state, {pinned, moving}, {}, without_contact());
+  const auto expect = [&](const std::function<Vec3(const Vec3&)>& place) {
+    for (const Index v : pinned.vertices) ASSERT_EQ(state.positions[v], model.rest_positions[v]);
+    for (const Index v : moving.vertices)
+      ASSERT_LT((state.positions[v] - place(model.rest_positions[v])).norm(), 1e-14) << v;
+  };
+  for (int i = 0; i < 75; ++i) solver.step(state);
+  expect([](const Vec3& p) { return Vec3(p[0] + 0.05, 0.1 - p[2], p[1] + 0.1); });
+  for (int i = 0; i < 75; ++i) solver.step(state);
+  expect([](const Vec3& p) { return Vec3(p[0] + 0.1, 0.1 - p[1], 0.1 - p[2] + 0.2); });
+  for (int i = 0; i < 300; ++i) solver.step(state);
+  expect([](const Vec3& p) { return Vec3(p[0] + 0.1, p[1], p[2]); });
+}
+
+TEST(Handles, LetGo) {
+  const Model model = make(make_box({0.2, 0.2, 0.2}, 0.1), neo_hookean(1e5));
+  State state = make_state(model, model.rest_positions);
+  Handle handle;
+  for (Index v = 0; v < model.mesh.vertex_count(); ++v) handle.vertices.push_back(v);
+  handle.release_time = 0.5;
+  XpbdSolver solver(model, state, {handle}, {}, without_contact());
+  for (int i = 0; i < 150; ++i) solver.step(state);
+  EXPECT_EQ(state.positions, model.rest_positions);
+  solver.step(state);
+  for (Index v = 0; v < model.mesh.vertex_count(); ++v) EXPECT_LT(state.positions[v][2], model.rest_positions[v][2]);
+}
+
+/// Throws with what() that starts with `where`.
+template <typename Action>
+void expect_error(const std::string& where, Action&& action) {
+  try {
+    action();
+    ADD_FAILURE() << where;
+  } catch (const Error& error) {
+    EXPECT_EQ(std::string(error.what()).substr(0, where.size()), where) << error.what();
+  }
+}
+
+TEST(Refusals, NameWhatIsWrong) {
+  const MeshFile box = make_box({0.2, 0.2, 0.2}, 0.1);
+  const Model model = make(box, neo_hookean(1e5));
+  const State state = make_state(model, model.rest_positions);
+  const auto solve = [&](std::vector<Handle> handles, const XpbdOptions& options = without_contact()) {
+    return [&model, &state, handles, options] { XpbdSolver(model, state, handles, {}, options); };
+  };
+  expect_error("handle 1", solve({{{0}}, {{1, 1}}}));
+  expect_error("handle 1", solve({{{0}}, {{0}}}));
+  expect_error("handle 0", solve({{{-1}}}));
+  expect_error("handle 0", solve({{{1'000'000}}}));
+  expect_error("handle 0", solve({{{1}, {{{1, Vec3(NAN, 0, 0)}}}}}));
+  XpbdOptions options = without_contact();
+  options.time_step = 0;
+  expect_error("time step", solve({}, options));
+  options = without_contact();
+  options.iterations = 0;
+  expect_error("iterations", solve({}, options));
+  expect_error("body 'body0'", [&] { make(box, neo_hookean(-1)); });
+  expect_error("body 'body0'", [&] { make(box, neo_hookean(1, 0.5)); });
+  expect_error("body 'body0'", [&] { make(box, springs(-1)); });
+  MeshFile inverted = box;
+  std::swap(inverted.tetrahedra[7][0], inverted.tetrahedra[7][1]);
+  expect_error("element 7", [&] { make(inverted, neo_hookean(1e5)); });
+  expect_error("state", [&] {
+    State empty;
+    XpbdSolver(model, state, {}, {}, without_contact()).step(empty);
+  });
+}
+
+TEST(Refusals, OfAnExplosionKeepTheStateBefore) {
+  const Model model = make(make_box({0.2, 0.2, 0.2}, 0.1), neo_hookean(1e5));
+  State state = make_state(model, model.rest_positions);
+  XpbdSolver solver(model, state, {}, {}, {});
+  solver.step(state);
+  state.velocities[5] = Vec3(0, 1e308, 0);
+  state.velocities[5] *= 10;
+  const State before = state;
+  expect_error("vertex ", [&] { solver.step(state); });
+  EXPECT_EQ(state.positions, before.positions);
+  EXPECT_EQ(state.steps, before.steps);
+  EXPECT_EQ(state.time, before.time);
+  state.velocities[5].setZero();
+  State other = state;
+  solver.step(state);
+  XpbdSolver(model, make_state(model, model.rest_positions), {}, {}, {}).step(other);
+  EXPECT_EQ(state.positions, other.positions);
+}
+
+bool same_bits(const State& a, const State& b) {
+  const auto same = [](const std::vector<Vec3>& x, const std::vector<Vec3>& y) {
+    return x.size() == y.size() && std::memcmp(x.data(), y.data(), sizeof(Vec3) * x.size()) == 0;
+  };
+  return same(a.positions, b.positions) && same(a.velocities, b.velocities) && a.time == b.time && a.steps == b.steps;
+}
+
+// Three bodies fall on one another and on a floor.
+Model pile(const Material& material) {
+  const MeshFile ball = make_ball(0.1, 0.04);
+  return make(
+      std::vector<MeshFile>{moved(ball, {0, 0, 0.12}), moved(make_box({0.3, 0.3, 0.05}, 0.05), {-0.15, -0.15, 0.24}),
+                            moved(ball, {0.02, 0, 0.42})},
+      material);
+}
+
+State run_pile(const Model& model, int steps, int restart = -1) {
+  const State initial = make_state(model, model.rest_positions);
+  State state = initial;
+  Handle handle{{0, 1, 2}, {}, 0.05};
+  const auto make_solver = [&] { return XpbdSolver(model, initial, {handle}, {{PlaneShape{}}}, {}); };
+  XpbdSolver solver = make_solver();
+  std::int64_t contacts = 0;
+  for (int i = 0; i < steps; ++i) {
+    if (i == restart) solver = make_solver();
+    solver.step(state);
+    for (const std::int64_t count : solver.statistics().contact.contacts) contacts += count;
+  }
+  EXPECT_GT(contacts, 0);
+  return state;
+}
+
+TEST(Determinism, SameBitsForAnyNumberOfThreads) {
+  Material damped = neo_hookean(1e5);
+  damped.damping = 0.001;
+  for (const Material& material : {damped, springs(1e-5, 1e-9)}) {
+    const Model model = pile(material);
+    const State expected = run_pile(model, 90);
+    for (const int threads : {1, 2, 4}) {
+      const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+      EXPECT_TRUE(same_bits(run_pile(model, 90), expected)) << threads;
+    }
+  }
+}
+
+TEST(Determinism, SameBitsWhenContinuedFromAState) {
+  const Model model = pile(neo_hookean(1e5));
+  EXPECT_TRUE(same_bits(run_pile(model, 90, 70), run_pile(model, 90)));
+}
+
+TEST(Contacts, KeepBodiesApart) {
+  const Model model = pile(neo_hookean(1e5));
+  State state = make_state(model, model.rest_positions);
+  XpbdOptions options;
+  options.velocity_damping = 1;
+  XpbdSolver solver(model, state, {}, {{PlaneShape{}}}, options);
+  for (int i = 0; i < 300; ++i) solver.step(state);
+  EXPECT_EQ(inverted_elements(model, state), 0);
+  const BoundaryPathFinder<3> finder(model.mesh, state.positions);
+  double deepest = 0;
+  for (const auto& path : finder.find_paths(finder.find_penetrating_vertices()))
+    if (path.status == PathStatus::kFound) deepest = std::max(deepest, path.distance);
+  EXPECT_LT(deepest, 0.005);
+  const StepStatistics& statistics = solver.statistics();
+  EXPECT_GT(statistics.collider_contacts, 0);
+  EXPECT_EQ(statistics.constraints, 6 * model.mesh.element_count());
+  EXPECT_GT(statistics.constraints_per_second(), 0);
+  EXPECT_LE(statistics.seconds_material + statistics.seconds_projection, statistics.seconds);
+}
+
+}  // namespace
+}  // namespace selvage
