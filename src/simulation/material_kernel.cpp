@@ -226,6 +226,14 @@ SELVAGE_INLINE void solve_springs(const MaterialTask& task, const MaterialStep& 
   store_rows(b, rows_of(task.vertices), batch.vertices[1] + part);
 }
 
+/// So many batches ahead vertices are fetched.
+constexpr Index kAhead = 2;
+
+SELVAGE_INLINE void prefetch_vertices(const MaterialTask& task, const ElementBatch& batch) {
+  for (const auto& lanes : batch.vertices)
+    for (int i = 0; i < kBatch; ++i) prefetch(task.vertices + lanes[i]);
+}
+
 template <bool kDamped, bool kFirst>
 void solve_block(const MaterialTask& task, const MaterialBlock& block) {
   const MaterialStep& step = task.bodies[block.body];
@@ -233,8 +241,10 @@ void solve_block(const MaterialTask& task, const MaterialBlock& block) {
     for (int part = 0; part < kBatch; part += WideDouble::kLanes)
       solve_springs<kDamped, kFirst>(task, step, task.edges[n], part);
   const auto solve_elements = [&](const auto& solver) {
-    for (Index n = block.first_element_batch; n < block.last_element_batch; ++n)
+    for (Index n = block.first_element_batch; n < block.last_element_batch; ++n) {
+      prefetch_vertices(task, task.elements[n + kAhead < block.last_element_batch ? n + kAhead : n]);
       for (int part = 0; part < kBatch; part += WideDouble::kLanes) solver.solve(task.elements[n], part);
+    }
   };
   if (step.kind == MaterialKind::kNeoHookean)
     solve_elements(ElementSolver<true, kDamped, kFirst>(task, step));
