@@ -90,6 +90,11 @@ SELVAGE_INLINE unsigned equal_bits(Float4 a, Float4 b) {
   return static_cast<unsigned>(
       _mm_movemask_ps(_mm_castsi128_ps(_mm_cmpeq_epi32(_mm_castps_si128(a.v), _mm_castps_si128(b.v)))));
 }
+/// a < b ? x : y
+SELVAGE_INLINE Float4 select_less(Float4 a, Float4 b, Float4 x, Float4 y) {
+  const __m128 mask = _mm_cmplt_ps(a.v, b.v);
+  return {_mm_or_ps(_mm_and_ps(mask, x.v), _mm_andnot_ps(mask, y.v))};
+}
 /// (a0, b0, a1, b1)
 SELVAGE_INLINE Float4 interleave_low(Float4 a, Float4 b) {
   return {_mm_unpacklo_ps(a.v, b.v)};
@@ -176,6 +181,10 @@ SELVAGE_INLINE unsigned equal_bits(const Float4& a, const Float4& b) {
   for (int i = 0; i < 4; ++i) mask |= static_cast<unsigned>(float_bits(a.v[i]) == float_bits(b.v[i])) << i;
   return mask;
 }
+/// a < b ? x : y
+SELVAGE_INLINE Float4 select_less(const Float4& a, const Float4& b, const Float4& x, const Float4& y) {
+  return Float4::lanes([&](int i) { return a.v[i] < b.v[i] ? x.v[i] : y.v[i]; });
+}
 /// (a0, b0, a1, b1)
 SELVAGE_INLINE Float4 interleave_low(const Float4& a, const Float4& b) {
   return {{a.v[0], b.v[0], a.v[1], b.v[1]}};
@@ -237,6 +246,9 @@ SELVAGE_INLINE Float8 and_bits(Float8 a, Float8 b) {
 }
 SELVAGE_INLINE Float8 or_bits(Float8 a, Float8 b) {
   return {_mm256_or_ps(a.v, b.v)};
+}
+SELVAGE_INLINE Float8 select_less(Float8 a, Float8 b, Float8 x, Float8 y) {
+  return {_mm256_blendv_ps(y.v, x.v, _mm256_cmp_ps(a.v, b.v, _CMP_LT_OQ))};
 }
 SELVAGE_INLINE unsigned less_equal(Float8 a, Float8 b) {
 #ifdef __AVX512VL__
@@ -317,6 +329,9 @@ SELVAGE_INLINE Float8 and_bits(Float8 a, Float8 b) {
 }
 SELVAGE_INLINE Float8 or_bits(Float8 a, Float8 b) {
   return {{or_bits(a.low(), b.low()), or_bits(a.high(), b.high())}};
+}
+SELVAGE_INLINE Float8 select_less(Float8 a, Float8 b, Float8 x, Float8 y) {
+  return {{select_less(a.low(), b.low(), x.low(), y.low()), select_less(a.high(), b.high(), x.high(), y.high())}};
 }
 SELVAGE_INLINE unsigned less_equal(Float8 a, Float8 b) {
   return less_equal(a.low(), b.low()) | (less_equal(a.high(), b.high()) << 4);

@@ -18,6 +18,13 @@ struct Float16 {
 
   SELVAGE_INLINE static Float16 load(const float* p) { return {_mm512_loadu_ps(p)}; }
   SELVAGE_INLINE static Float16 broadcast(float x) { return {_mm512_set1_ps(x)}; }
+  SELVAGE_INLINE static Float16 join(Float8 low, Float8 high) {
+    return {_mm512_maskz_insertf32x8(0xffff, _mm512_castps256_ps512(low.v), high.v, 1)};
+  }
+  /// Entries of a table of sixteen; numbers lie in [0, 16).
+  SELVAGE_INLINE static Float16 pick(const float* table, const std::int32_t* numbers) {
+    return {_mm512_maskz_permutexvar_ps(0xffff, _mm512_loadu_si512(numbers), _mm512_loadu_ps(table))};
+  }
   SELVAGE_INLINE void store(float* p) const { _mm512_storeu_ps(p, v); }
 };
 SELVAGE_INLINE Float16 operator+(Float16 a, Float16 b) {
@@ -33,8 +40,25 @@ SELVAGE_INLINE Float16 operator*(Float16 a, Float16 b) {
 SELVAGE_INLINE Float16 min(Float16 a, Float16 b) {
   return {_mm512_maskz_min_ps(0xffff, a.v, b.v)};
 }
+SELVAGE_INLINE Float16 max(Float16 a, Float16 b) {
+  return {_mm512_maskz_max_ps(0xffff, a.v, b.v)};
+}
+SELVAGE_INLINE Float16 operator/(Float16 a, Float16 b) {
+  return {_mm512_div_ps(a.v, b.v)};
+}
+SELVAGE_INLINE Float16 sqrt(Float16 a) {
+  return {_mm512_maskz_sqrt_ps(0xffff, a.v)};
+}
+/// a < b ? x : y
+SELVAGE_INLINE Float16 select_less(Float16 a, Float16 b, Float16 x, Float16 y) {
+  return {_mm512_mask_blend_ps(_mm512_cmp_ps_mask(a.v, b.v, _CMP_LT_OQ), y.v, x.v)};
+}
 SELVAGE_INLINE unsigned less_equal(Float16 a, Float16 b, unsigned among = 0xffff) {
   return _mm512_mask_cmp_ps_mask(static_cast<__mmask16>(among), a.v, b.v, _CMP_LE_OQ);
+}
+
+SELVAGE_INLINE unsigned equal_bits(Float16 a, Float16 b) {
+  return _mm512_cmpeq_epi32_mask(_mm512_castps_si512(a.v), _mm512_castps_si512(b.v));
 }
 
 #else
@@ -44,6 +68,20 @@ struct Float16 {
 
   SELVAGE_INLINE static Float16 load(const float* p) { return {{Float8::load(p), Float8::load(p + 8)}}; }
   SELVAGE_INLINE static Float16 broadcast(float x) { return {{Float8::broadcast(x), Float8::broadcast(x)}}; }
+  SELVAGE_INLINE static Float16 join(Float8 low, Float8 high) { return {{low, high}}; }
+  /// Entries of a table of sixteen; numbers lie in [0, 16).
+  SELVAGE_INLINE static Float16 pick(const float* table, const std::int32_t* numbers) {
+#ifdef SELVAGE_SIMD_AVX2
+    const auto half = [&](const std::int32_t* p) -> Float8 {
+      return {_mm256_i32gather_ps(table, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(p)), 4)};
+    };
+    return {{half(numbers), half(numbers + 8)}};
+#else
+    float picked[16];
+    for (int i = 0; i < 16; ++i) picked[i] = table[numbers[i]];
+    return load(picked);
+#endif
+  }
   SELVAGE_INLINE void store(float* p) const {
     halves[0].store(p);
     halves[1].store(p + 8);
@@ -61,8 +99,26 @@ SELVAGE_INLINE Float16 operator*(Float16 a, Float16 b) {
 SELVAGE_INLINE Float16 min(Float16 a, Float16 b) {
   return {{min(a.halves[0], b.halves[0]), min(a.halves[1], b.halves[1])}};
 }
+SELVAGE_INLINE Float16 max(Float16 a, Float16 b) {
+  return {{max(a.halves[0], b.halves[0]), max(a.halves[1], b.halves[1])}};
+}
+SELVAGE_INLINE Float16 operator/(Float16 a, Float16 b) {
+  return {{a.halves[0] / b.halves[0], a.halves[1] / b.halves[1]}};
+}
+SELVAGE_INLINE Float16 sqrt(Float16 a) {
+  return {{sqrt(a.halves[0]), sqrt(a.halves[1])}};
+}
+/// a < b ? x : y
+SELVAGE_INLINE Float16 select_less(Float16 a, Float16 b, Float16 x, Float16 y) {
+  return {{select_less(a.halves[0], b.halves[0], x.halves[0], y.halves[0]),
+           select_less(a.halves[1], b.halves[1], x.halves[1], y.halves[1])}};
+}
 SELVAGE_INLINE unsigned less_equal(Float16 a, Float16 b, unsigned among = 0xffff) {
   return (less_equal(a.halves[0], b.halves[0]) | (less_equal(a.halves[1], b.halves[1]) << 8)) & among;
+}
+
+SELVAGE_INLINE unsigned equal_bits(Float16 a, Float16 b) {
+  return equal_bits(a.halves[0], b.halves[0]) | (equal_bits(a.halves[1], b.halves[1]) << 8);
 }
 
 #endif
@@ -135,6 +191,11 @@ SELVAGE_INLINE unsigned zero(const Int8& a) {
 SELVAGE_INLINE void store_packed(Int8 a, unsigned lanes, std::int32_t* p) {
 #ifdef SELVAGE_SIMD_AVX512
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), _mm256_maskz_compress_epi32(static_cast<__mmask8>(lanes), a.v));
+#elif defined(SELVAGE_SIMD_AVX2)
+  // The numbers of the lanes, a byte for each.
+  const std::uint64_t kept = _pdep_u64(lanes, 0x0101010101010101u) * 0xff;
+  const __m128i numbers = _mm_cvtsi64_si128(static_cast<long long>(_pext_u64(0x0706050403020100u, kept)));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), _mm256_permutevar8x32_epi32(a.v, _mm256_cvtepu8_epi32(numbers)));
 #else
   std::int32_t all[8];
   a.store(all);

@@ -137,6 +137,30 @@ bool check_float16() {
                   c, d, [](Float16 x, Float16 y) { return x * y; }, [](float x, float y) { return x * y; }) &&
               check_sixteen(
                   a, b, [](Float16 x, Float16 y) { return min(x, y); }, [](float x, float y) { return x < y ? x : y; });
+  good = good &&
+         check_sixteen(
+             c, d, [](Float16 x, Float16 y) { return x / y; }, [](float x, float y) { return x / y; }) &&
+         check_sixteen(
+             c, d, [](Float16 x, Float16 y) { return sqrt(x * x + y * y); },
+             [](float x, float y) { return __builtin_sqrtf(x * x + y * y); }) &&
+         check_sixteen(
+             a, b, [](Float16 x, Float16 y) { return max(x, y); }, [](float x, float y) { return x > y ? x : y; }) &&
+         check_sixteen(
+             a, b, [](Float16 x, Float16 y) { return select_less(x, y, Float16::broadcast(1), Float16::broadcast(2)); },
+             [](float x, float y) { return x < y ? 1.0f : 2.0f; }) &&
+         check_sixteen(
+             a, b, [&](Float16, Float16) { return Float16::join(Float8::load(a), Float8::load(a + 8)); },
+             [](float x, float) { return x; });
+  const std::int32_t numbers[16] = {15, 0, 3, 3, 9, 8, 7, 1, 2, 14, 13, 12, 0, 5, 6, 15};
+  float picked[16], same[16];
+  Float16::pick(c, numbers).store(picked);
+  unsigned equal = 0;
+  for (int i = 0; i < 16; ++i) {
+    good = good && picked[i] == c[numbers[i]];
+    same[i] = i % 3 == 0 ? a[i] : b[i];
+    equal |= static_cast<unsigned>(std::bit_cast<std::uint32_t>(same[i]) == std::bit_cast<std::uint32_t>(a[i])) << i;
+  }
+  good = good && equal_bits(Float16::load(same), Float16::load(a)) == equal;
   for (const unsigned among : {0xffffu, 0u, 0xa5c3u}) {
     unsigned expected = 0;
     for (unsigned i = 0; i < 16; ++i) expected |= static_cast<unsigned>(a[i] <= b[i]) << i;
