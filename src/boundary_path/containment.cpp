@@ -1,5 +1,6 @@
 #include "boundary_path/containment.h"
 
+#include "boundary_path/group_order.h"
 #include "selvage/core/isa.h"
 #include "selvage/core/parallel.h"
 
@@ -19,10 +20,6 @@ constexpr double kFarOutside = 8;
 
 constexpr OwnElements kNoOwn = {kBeyondAllNodes, {}};
 
-std::size_t group_count(std::size_t points) {
-  return (points + kPointGroup - 1) / kPointGroup;
-}
-
 /// The pairs, ascending by point and then element, in linear time when no point has many.
 std::vector<PointInElement> sorted(std::span<const PointInElement> pairs, std::size_t point_count) {
   std::vector<std::int64_t> next(point_count + 1, 0);  // place of the next pair of each point
@@ -37,56 +34,12 @@ std::vector<PointInElement> sorted(std::span<const PointInElement> pairs, std::s
   return result;
 }
 
-struct NumberedPosition {
-  std::array<float, 3> x;
-  Index number;
-};
-
-int longest_axis(std::span<const NumberedPosition> items) {
-  Box box = Box::empty();
-  for (const NumberedPosition& item : items) box.merge({item.x, item.x});
-  int longest = 0;
-  for (int axis = 1; axis < 3; ++axis)
-    if (box.upper[axis] - box.lower[axis] > box.upper[longest] - box.lower[longest]) longest = axis;
-  return longest;
-}
-
-/// Halves across the longest axis, down to single groups.
-void split_in_halves(std::span<NumberedPosition> items) {
-  constexpr std::size_t kParallelAbove = 4096;
-  const std::size_t groups = group_count(items.size());
-  if (groups <= 1) return;
-  const std::size_t half = groups / 2 * kPointGroup;
-  std::nth_element(items.begin(), items.begin() + half, items.end(),
-                   [axis = longest_axis(items)](const NumberedPosition& a, const NumberedPosition& b) {
-                     return a.x[axis] < b.x[axis] || (a.x[axis] == b.x[axis] && a.number < b.number);
-                   });
-  const auto left = [&] { split_in_halves(items.first(half)); };
-  const auto right = [&] { split_in_halves(items.subspan(half)); };
-  if (items.size() > kParallelAbove) {
-    parallel_invoke(left, right);
-  } else {
-    left();
-    right();
-  }
-}
-
 }  // namespace
-
-void order_in_space(std::span<const RoundedPosition> positions, std::span<Index> numbers) {
-  std::vector<NumberedPosition> items(numbers.size());
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    const RoundedPosition& x = positions[numbers[i]];
-    items[i] = {{x[0], x[1], x[2]}, numbers[i]};
-  }
-  split_in_halves(items);
-  for (std::size_t i = 0; i < items.size(); ++i) numbers[i] = items[i].number;
-}
 
 template <int D>
 void ContainmentSearch<D>::rebuild() {
   boundary_order_.assign(mesh_.boundary_vertices().begin(), mesh_.boundary_vertices().end());
-  order_in_space(pose_.rounded_positions(), boundary_order_);
+  order_in_space<4>(pose_.rounded_positions(), boundary_order_);
   list_own_elements();
 }
 
@@ -132,7 +85,7 @@ std::vector<PointInElement> ContainmentSearch<D>::find_points(std::span<const Ve
   });
   std::vector<Index> order(points.size());
   std::iota(order.begin(), order.end(), 0);
-  order_in_space(rounded, order);
+  order_in_space<4>(rounded, order);
   const std::vector<const OwnElements*> own(group_count(points.size()), &kNoOwn);
   return find({points.data(), rounded.data(), order, own}, points.size());
 }

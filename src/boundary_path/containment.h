@@ -39,7 +39,4 @@ class ContainmentSearch {
 extern template class ContainmentSearch<2>;
 extern template class ContainmentSearch<3>;
 
-/// Sorts numbers of positions so that each run of kPointGroup of them lies close together.
-void order_in_space(std::span<const RoundedPosition> positions, std::span<Index> numbers);
-
 }  // namespace selvage

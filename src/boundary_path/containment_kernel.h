@@ -1,5 +1,6 @@
 #pragma once
 
+#include "boundary_path/group_order.h"
 #include "boundary_path/path_scene.h"
 
 namespace selvage {
@@ -23,9 +24,6 @@ struct ContainmentScene {
   float rounding;                  ///< bounds the error of each rounded coordinate inside the mesh's box
   std::span<const BvhNode> nodes;  ///< hierarchy over the elements
 };
-
-/// Points that walk down the hierarchy together.
-inline constexpr Index kPointGroup = 16;
 
 /// Which points of a group have the children of a node, where those are elements, as their own: these do not count as
 /// holding the points.

@@ -2,6 +2,7 @@
 #include "boundary_path/containment.h"
 
 #include "boundary_path/compare.h"
+#include "boundary_path/group_order.h"
 #include "selvage/core/isa.h"
 #include "test_scale.h"
 
@@ -183,7 +184,7 @@ TEST(OrderInSpace, KeepsNeighboursInGroups) {
     numbers[i] = i;
     line[i] = {1, static_cast<float>(i * 331 % kCount), 1, 0};  // each place once
   }
-  order_in_space(line, numbers);
+  order_in_space<4>(line, numbers);
   for (Index i = 0; i < kCount; ++i)
     EXPECT_EQ(static_cast<Index>(line[numbers[i]][1]) / kPointGroup, i / kPointGroup) << i;
 }
@@ -193,7 +194,7 @@ TEST(OrderInSpace, TakesPointsAtOnePlace) {
   std::vector<Index> numbers(here.size()), all(here.size());
   std::iota(all.rbegin(), all.rend(), 0);
   numbers = all;
-  order_in_space(here, numbers);
+  order_in_space<4>(here, numbers);
   EXPECT_TRUE(std::is_permutation(numbers.begin(), numbers.end(), all.begin()));
 }
 
