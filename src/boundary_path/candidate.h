@@ -61,7 +61,7 @@ class CandidateFactory {
 
 template <>
 inline CandidateFactory<2>::Estimate CandidateFactory<2>::estimate(Index face) const {
-  const auto& ids = scene_.boundary_faces[face];
+  const auto& ids = scene_.face_stars[face].vertices;
   double a[2], b[2], e[2];
   subtract(scene_.positions[ids[0]], p_, a);
   subtract(scene_.positions[ids[1]], p_, b);
@@ -78,7 +78,7 @@ inline CandidateFactory<2>::Estimate CandidateFactory<2>::estimate(Index face) c
 
 template <>
 inline CandidateFactory<3>::Estimate CandidateFactory<3>::estimate(Index face) const {
-  const auto& ids = scene_.boundary_faces[face];
+  const auto& ids = scene_.face_stars[face].vertices;
   double v[3][3], e[3][3];  // vertices relative to p; edge i is opposite to vertex i
   for (int i = 0; i < 3; ++i) {
     subtract(scene_.positions[ids[i]], p_, v[i]);
@@ -129,7 +129,7 @@ inline CandidateFactory<3>::Estimate CandidateFactory<3>::estimate(Index face) c
 
 template <int D>
 Candidate<D> CandidateFactory<D>::make(Index face, const Estimate& estimate) const {
-  const auto& ids = scene_.boundary_faces[face];
+  const auto& ids = scene_.face_stars[face].vertices;
   unsigned mask = estimate.mask;
   if (estimate.ambiguous) {
     std::array<Vec<D>, D> points;

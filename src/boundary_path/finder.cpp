@@ -1,5 +1,6 @@
 #include "boundary_path/boundary_corner.h"
 #include "boundary_path/containment.h"
+#include "boundary_path/group_order.h"
 #include "boundary_path/path_kernel.h"
 #include "boundary_path/pose.h"
 #include "boundary_path/vertex_proof.h"
@@ -43,7 +44,6 @@ struct BoundaryPathFinder<D>::State {
   PathOptions options;
   PathTopology<D> topology;
   Pose<D> pose;
-  std::vector<Index> element_rank;  ///< place of each element in the order of the leaves: near in rank, near in space
   ContainmentSearch<D> containment;
 
   State(const SimplexMesh<D>& m, std::span<const Vec<D>> positions, PathOptions o)
@@ -52,31 +52,26 @@ struct BoundaryPathFinder<D>::State {
   }
 
   void update(std::span<const Vec<D>> positions) {
-    if (pose.update(positions)) list_orders();
+    if (pose.update(positions)) containment.rebuild();
   }
 
   void rebuild(std::span<const Vec<D>> positions) {
     pose.rebuild(positions);
-    list_orders();
-  }
-
-  void list_orders() {
-    const std::vector<Index> order = pose.elements().leaf_order();
-    element_rank.resize(order.size());
-    for (std::size_t i = 0; i < order.size(); ++i) element_rank[order[i]] = static_cast<Index>(i);
     containment.rebuild();
   }
 
   PathScene<D> scene() const {
     return {pose.positions().data(),
-            mesh.elements().data(),
-            mesh.neighbours().data(),
+            topology.elements.data(),
             mesh.boundary_faces().data(),
             mesh.boundary_owners().data(),
             mesh.boundary_neighbours().data(),
             &mesh,
             pose.faces().nodes(),
             pose.cones().data(),
+            topology.face_stars.data(),
+            pose.rounded_positions().data(),
+            pose.rounding(),
             pose.frame(),
             topology.component_of.data(),
             pose.component_states().data(),
@@ -96,6 +91,7 @@ struct BoundaryPathFinder<D>::State {
   }
 
   void check(std::span<const PathQuery<D>> queries, std::span<const Index> warm_start, std::size_t counters) const;
+  std::vector<Index> order_in_groups(std::span<const PathQuery<D>> queries) const;
   BoundaryPath<D> describe(const PathTask<D>& task, const PathResult<D>& result) const;
   Vec<D> normal_at(Index face, const PathResult<D>& result) const;
   bool is_skipped(Index element) const;
@@ -124,6 +120,26 @@ void BoundaryPathFinder<D>::State::check(std::span<const PathQuery<D>> queries, 
       throw Error(where(), fmt::format("there is no boundary face {} to start from", warm_start[i]),
                   fmt::format("boundary faces lie in [0, {})", mesh.boundary_face_count()));
   }
+}
+
+/// Groups lie close together in space and in the material: where it overlaps itself, queries have near answers only if
+/// they are near some boundary face in the mesh, and that one is near the others'.
+template <int D>
+std::vector<Index> BoundaryPathFinder<D>::State::order_in_groups(std::span<const PathQuery<D>> queries) const {
+  std::vector<std::array<float, 6>> places(queries.size());
+  for (std::size_t k = 0; k < queries.size(); ++k) {
+    places[k] = {};
+    const Vec<D> p = to_scene(queries[k].point) - pose.frame().origin;
+    const Index hint = topology.hints[queries[k].element];
+    for (int i = 0; i < D; ++i) {
+      places[k][i] = static_cast<float>(p[i]);
+      if (hint != kNone) places[k][3 + i] = pose.rounded_positions()[mesh.boundary_faces()[hint][0]][i];
+    }
+  }
+  std::vector<Index> order(queries.size());
+  std::iota(order.begin(), order.end(), 0);
+  selvage::order_in_space<6>(places, order);
+  return order;
 }
 
 /// Area-weighted over the faces of the feature at this corner of the material; where they cancel, the face's own.
@@ -204,15 +220,10 @@ std::vector<BoundaryPath<D>> BoundaryPathFinder<D>::find_paths(std::span<const P
                                                                std::span<const Index> warm_start,
                                                                std::span<PathCounters> counters) const {
   state_->check(queries, warm_start, counters.size());
-  std::vector<Index> order(queries.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](Index a, Index b) {
-    return std::pair(state_->element_rank[queries[a].element], a) <
-           std::pair(state_->element_rank[queries[b].element], b);
-  });
+  const std::vector<Index> order = state_->order_in_groups(queries);
   std::vector<BoundaryPath<D>> paths(queries.size());
   const PathScene<D> scene = state_->scene();
-  constexpr std::int64_t kQueriesAtOnce = 64;
+  constexpr std::int64_t kQueriesAtOnce = 4 * kPointGroup;
   const std::int64_t batches = (std::ssize(order) + kQueriesAtOnce - 1) / kQueriesAtOnce;
   parallel_for(batches, 1, [&](std::int64_t k) {
     const auto share = std::span(order).subspan(k * kQueriesAtOnce);

@@ -1,4 +1,4 @@
-#include "boundary_path/search.h"
+#include "boundary_path/group_search.h"
 
 namespace selvage {
 inline namespace SELVAGE_ISA {
@@ -8,8 +8,12 @@ namespace {
 template <int D>
 void run_all(const PathScene<D>& scene, std::span<const PathTask<D>> tasks, PathResult<D>* results,
              PathCounters* counters) {
-  for (std::size_t i = 0; i < tasks.size(); ++i)
-    results[i] = Search<D>(scene, tasks[i], counters != nullptr ? counters + i : nullptr).run();
+  GroupSearch<D> search(scene);
+  for (std::size_t i = 0; i < tasks.size(); i += kPointGroup) {
+    const std::size_t left = tasks.size() - i;
+    search.run(tasks.subspan(i, left < kPointGroup ? left : kPointGroup), results + i,
+               counters != nullptr ? counters + i : nullptr);
+  }
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "boundary_path/normal_cones.h"
+#include "boundary_path/path_topology.h"
 #include "selvage/boundary_path/boundary_path.h"
 #include "selvage/bvh/box.h"
 #include "selvage/bvh/bvh.h"
@@ -44,14 +45,16 @@ struct BoxFrame {
 template <int D>
 struct PathScene {
   const Vec<D>* positions;
-  const VertexTuple<D + 1>* elements;
-  const std::array<Index, D + 1>* neighbours;
+  const PathElement<D>* elements;
   const VertexTuple<D>* boundary_faces;
   const HalfFace* boundary_owners;
   const std::array<Index, D>* boundary_neighbours;
   const SimplexMesh<D>* mesh;  ///< for the stars of vertices
   std::span<const BvhNode> face_nodes;
   const ConeNode* face_cones;  ///< per node of face_nodes
+  const FaceStar<D>* face_stars;
+  const std::array<float, 4>* rounded;  ///< positions in the frame, each coordinate to the nearest float (the rest 0)
+  float rounding;                       ///< bounds the error of each rounded coordinate
   BoxFrame<D> frame;
   const Index* component_of;              ///< per element
   const ComponentState* component_state;  ///< per component

@@ -213,6 +213,32 @@ bool has_one_orientation(const SimplexMesh<D>& mesh) {
 }
 
 template <int D>
+std::vector<PathElement<D>> list_elements(const SimplexMesh<D>& mesh) {
+  std::vector<PathElement<D>> elements(mesh.element_count());
+  parallel_for(std::ssize(elements), 4096, [&](std::int64_t e) {
+    elements[e] = {mesh.elements()[e], mesh.neighbours()[e]};
+  });
+  return elements;
+}
+
+template <int D>
+std::vector<FaceStar<D>> list_face_stars(const SimplexMesh<D>& mesh, std::span<const Index> component_of) {
+  std::vector<FaceStar<D>> stars(mesh.boundary_face_count());
+  parallel_for(std::ssize(stars), 4096, [&](std::int64_t b) {
+    FaceStar<D>& star = stars[b];
+    star.vertices = mesh.boundary_faces()[b];
+    star.component = component_of[mesh.boundary_owners()[b].element()];
+    for (int k = 0; k < D; ++k) {
+      const VertexTuple<D>& other = mesh.boundary_faces()[mesh.boundary_neighbours()[b][k]];
+      star.apexes[k] = *std::find_if(other.begin(), other.end(), [&](Index v) {
+        return v == star.vertices[k] || std::find(star.vertices.begin(), star.vertices.end(), v) == star.vertices.end();
+      });
+    }
+  });
+  return stars;
+}
+
+template <int D>
 std::vector<std::uint8_t> find_boundary(const SimplexMesh<D>& mesh) {
   std::vector<std::uint8_t> is_on_boundary(mesh.vertex_count(), 0);
   for (Index v : mesh.boundary_vertices()) is_on_boundary[v] = 1;
@@ -226,6 +252,8 @@ PathTopology<D>::PathTopology(const SimplexMesh<D>& mesh)
     : component_of(mesh.element_components()),
       component_count(*std::max_element(component_of.begin(), component_of.end()) + 1),
       hints(nearest_boundary_faces(mesh)),
+      elements(list_elements(mesh)),
+      face_stars(list_face_stars(mesh, component_of)),
       is_split(find_split_vertices(mesh)),
       is_on_boundary(find_boundary(mesh)),
       is_oriented(has_one_orientation(mesh)),

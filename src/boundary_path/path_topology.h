@@ -5,6 +5,21 @@
 
 namespace selvage {
 
+/// What a walk needs of an element, in one line of the cache.
+template <int D>
+struct alignas(32) PathElement {
+  VertexTuple<D + 1> vertices;
+  std::array<Index, D + 1> neighbours;  ///< as SimplexMesh::neighbours()
+};
+
+/// What a search needs of a boundary face, in one line of the cache.
+template <int D>
+struct alignas(32) FaceStar {
+  VertexTuple<D> vertices;
+  VertexTuple<D> apexes;  ///< of the neighbour opposite to each vertex the one that is not the face's
+  Index component;
+};
+
 /// What searches need to know of a mesh beside its topology, computed once.
 template <int D>
 struct PathTopology {
@@ -15,6 +30,10 @@ struct PathTopology {
 
   /// Per element a boundary face that is as few elements away as any; kNone in a component without boundary.
   std::vector<Index> hints;
+
+  std::vector<PathElement<D>> elements;
+
+  std::vector<FaceStar<D>> face_stars;  ///< per boundary face
 
   /// Per vertex: 1 when its elements, or those of a boundary ridge at it, do not all hang together across faces, so
   /// that several corners of the material meet there.

@@ -10,8 +10,15 @@
 namespace selvage {
 inline namespace SELVAGE_ISA {
 
-/// The search for one query's shortest path (SPB supplement, algorithms 3 and 4): boundary faces near to far, until
-/// none can be closer than the answer.
+/// Where the shortest path of a query ends.
+template <int D>
+struct Answer {
+  Index face;
+  Vec<D> point;
+};
+
+/// What one query knows of its shortest path (SPB supplement, algorithms 3 and 4): it considers boundary faces, in any
+/// order, until none that is left can be closer than the answer.
 ///
 /// What shrinks the search beside a valid candidate: a segment that leaves p's own material shows a boundary point at
 /// that distance, which theorem 1 makes a bound of the answer; and a culled candidate leads to the neighbouring face
@@ -22,7 +29,24 @@ class Search {
   Search(const PathScene<D>& scene, const PathTask<D>& task, PathCounters* counters)
       : scene_(scene), task_(task), query_(task.query), counters_(counters), candidates_(scene, query_.point) {}
 
-  PathResult<D> run();
+  /// Looks for a first path: from the warm start, from answers to other queries, near in the mesh, and last anywhere.
+  /// False when there is none, or the point does not lie in its element.
+  bool start(std::span<const Answer<D>> answers);
+
+  /// Tests a face unless it is known to be no answer. With `follow` goes on to neighbours that come closer.
+  void consider(Index face, bool follow = false);
+
+  /// The answer, once all faces have been considered that may be it.
+  PathResult<D> finish();
+
+  /// Nothing farther is an answer.
+  double squared_bound() const { return std::min(best_squared_, known_squared_); }
+  /// Whether faces may be passed over because a neighbour comes closer: see docs/boundary_path.md.
+  bool may_cull() const { return scene_.options.cull_infeasible_regions && reject_above_ < safe_distance_; }
+  Answer<D> answer() const { return {best_.face, query_.point + Vec<D>(best_.offset)}; }
+  const PathQuery<D>& query() const { return query_; }
+  /// Null when nothing is counted.
+  PathCounters* counters() const { return counters_; }
 
  private:
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -31,10 +55,10 @@ class Search {
   /// Bounds the error of WalkResult::left_at, with room to spare.
   static constexpr double kLeftAtError = 1e-6;
 
+  bool locate();
   void set_safe_distance(bool own);
-  unsigned keep(const BvhNode& node, Index place, unsigned children) const;
-  void start_from_hints();
-  void consider(Index face);
+  void start_from(Index face);
+  void start_anywhere();
   void test(const Candidate<D>& candidate);
   void test_touching(const Candidate<D>& candidate);
   void accept(const Candidate<D>& candidate);
@@ -45,7 +69,9 @@ class Search {
   }
   bool is_excluded(Index face) const;
   bool is_new(Index face);
-  bool was_blocked(const Candidate<D>& candidate) const;
+  bool is_known(Index face, unsigned mask) const;
+  bool was_dismissed(const VertexTuple<D>& ids) const;
+  void dismiss(const Candidate<D>& candidate);
   Index closer_neighbour(const Candidate<D>& candidate) const;
   Index smallest_face(const Candidate<D>& candidate) const;
   bool is_worse(const Candidate<D>& candidate) const;
@@ -54,67 +80,102 @@ class Search {
       if (x != 0) return false;
     return true;
   }
-  double squared_bound() const { return std::min(best_squared_, known_squared_); }
 
   const PathScene<D>& scene_;
   const PathTask<D>& task_;
   const PathQuery<D>& query_;
   PathCounters* counters_;
   CandidateFactory<D> candidates_;
-  bool strictly_inside_ = false;
+  bool is_inside_ = false, strictly_inside_ = false;
   Index component_ = 0;
   ComponentState state_ = ComponentState::kImmersed;
   /// No path up to this long can meet a defect: theorems 1 and 2 hold for it. 0 where they never do.
   double safe_distance_ = 0;
   double defect_distance_ = 0;  ///< the same, but for p's own position on the boundary
 
-  Float8 eye_[3];  ///< p in the frame
   Candidate<D> best_;
   double best_squared_ = kInfinity;
   double known_squared_ = kInfinity;  ///< some boundary point that p can reach is this close
+  Index left_through_ = kNone;        ///< where a segment was seen to leave the material
   double reject_above_ = kInfinity;   ///< distance of squared_bound(), widened for the rounding of squares
 
-  static constexpr int kRemembered = 64, kBlocked = 8;
+  static constexpr int kRemembered = 64, kDismissed = 8;
   Index seen_[kRemembered];
-  VertexTuple<D> blocked_[kBlocked];
-  int blocked_count_ = 0;
+  VertexTuple<D> dismissed_[kDismissed];
+  int dismissed_count_ = 0;
 };
 
 template <int D>
-PathResult<D> Search<D>::run() {
-  PathResult<D> result;
+bool Search<D>::locate() {
   std::array<Vec<D>, D + 1> corners;
-  for (int i = 0; i <= D; ++i) corners[i] = scene_.positions[scene_.elements[query_.element][i]];
+  for (int i = 0; i <= D; ++i) corners[i] = scene_.positions[scene_.elements[query_.element].vertices[i]];
   const Containment at = locate_in_simplex<D>(corners, query_.point);
-  if (!at.inside) {
-    result.status = PathStatus::kNotInElement;
-    return result;
-  }
+  is_inside_ = at.inside;
+  if (!is_inside_) return false;
   strictly_inside_ = at.zero_mask == 0;
   component_ = scene_.component_of[query_.element];
   state_ = scene_.component_state[component_];
   // Faces that contain p materially are no candidates, which the theorems do not know: rely on them only where p is
   // known to be off the boundary, or is a vertex that came from elsewhere.
-  const auto& vertices = scene_.elements[query_.element];
+  const auto& vertices = scene_.elements[query_.element].vertices;
   const bool own = query_.source[0] == kNone
                        ? !strictly_inside_
                        : contains(vertices, query_.source[0]) || contains(vertices, query_.source[1]);
   set_safe_distance(own);
   for (Index& slot : seen_) slot = kNone;
+  return true;
+}
 
-  start_from_hints();
-  const Box box = scene_.frame.around_point(query_.point);
-  for (int i = 0; i < 3; ++i) eye_[i] = Float8::broadcast((box.lower[i] + box.upper[i]) * 0.5f);
+/// Goes on where a blocked segment leaves the material: the boundary there is near in the mesh, too.
+template <int D>
+void Search<D>::start_from(Index face) {
+  constexpr int kMostSteps = 4;
+  for (int step = 0; step < kMostSteps && face != kNone; ++step) {
+    left_through_ = kNone;
+    consider(face, true);
+    face = left_through_;
+  }
+}
+
+template <int D>
+bool Search<D>::start(std::span<const Answer<D>> answers) {
+  if (!locate()) return false;
+  start_from(task_.warm_start);
+  if (scene_.options.use_hints) {
+    const Index hint = scene_.hints[query_.element];
+    Index nearest = hint;
+    double least = hint != kNone ? candidates_.estimate(hint).squared_distance : kInfinity;
+    for (const Answer<D>& answer : answers) {
+      const double squared_distance = (answer.point - query_.point).squaredNorm();
+      if (!(squared_distance < least)) continue;
+      least = squared_distance;
+      nearest = answer.face;
+    }
+    start_from(nearest);
+    start_from(hint);
+  }
+  if (best_squared_ == kInfinity) start_anywhere();
+  return best_squared_ < kInfinity;
+}
+
+/// Near to far, until some path is found.
+template <int D>
+void Search<D>::start_anywhere() {
   std::int64_t volumes = 0;
   visit_nearest(
-      scene_.face_nodes, box, round_up(squared_bound()),
+      scene_.face_nodes, scene_.frame.around_point(query_.point), round_up(squared_bound()),
       [&](Index face, float) {
         consider(face);
-        return round_up(squared_bound());
+        return best_squared_ == kInfinity ? round_up(squared_bound()) : -1.0f;
       },
-      volumes, [&](const BvhNode& node, Index place, unsigned children) { return keep(node, place, children); });
+      volumes);
   if (counters_ != nullptr) counters_->volumes_visited += volumes;
+}
 
+template <int D>
+PathResult<D> Search<D>::finish() {
+  PathResult<D> result;
+  if (!is_inside_) result.status = PathStatus::kNotInElement;
   if (best_squared_ == kInfinity) return result;
   settle();
   result.status = PathStatus::kFound;
@@ -140,44 +201,11 @@ void Search<D>::set_safe_distance(bool own) {
   safe_distance_ = own ? 0 : defect_distance_;
 }
 
-/// Children below which the answer may lie: see ConeNode.
-template <int D>
-inline unsigned Search<D>::keep(const BvhNode& node, Index place, unsigned children) const {
-  if (!scene_.options.cull_infeasible_regions || !(reject_above_ < safe_distance_)) return children;
-  const ConeNode& cones = scene_.face_cones[place];
-  const Float8 zero = Float8::broadcast(0), half = Float8::broadcast(0.5f);
-  Float8 along = zero, squared_length = zero, squared_radius = zero, length_bound = zero;
-  for (int i = 0; i < 3; ++i) {
-    const Float8 lower = Float8::load(node.lower[i]), upper = Float8::load(node.upper[i]);
-    const Float8 from_middle = eye_[i] - (lower + upper) * half, extent = (upper - lower) * half;
-    along = along + from_middle * Float8::load(cones.axis[i]);
-    squared_length = squared_length + from_middle * from_middle;
-    squared_radius = squared_radius + extent * extent;
-    length_bound = length_bound + max(from_middle, zero - from_middle);
-  }
-  // How far p is outside the cone of directions around the axis' opposite, opened at each point of the child's sphere.
-  // Slack for the rounding of positions in the frame, which is a few units across, and for the root of a small
-  // difference, which loses half its digits.
-  const Float8 across = sqrt(max(squared_length - along * along, zero)) * Float8::load(cones.cosine);
-  const Float8 lift = along * Float8::load(cones.sine);
-  const Float8 radius = sqrt(squared_radius) * Float8::broadcast(1.001f) + length_bound * Float8::broadcast(1e-3f) +
-                        Float8::broadcast(1e-6f);
-  const unsigned not_below = less_equal(radius, across + lift);
-  const unsigned not_above = less_equal(radius, across - lift);
-  return children & ~(not_below & (not_above | ~cones.two_sided));
-}
-
-template <int D>
-void Search<D>::start_from_hints() {
-  if (task_.warm_start != kNone) consider(task_.warm_start);
-  if (scene_.options.use_hints && scene_.hints[query_.element] != kNone) consider(scene_.hints[query_.element]);
-}
-
 /// Boundary faces that have all the vertices on which p lies.
 template <int D>
 bool Search<D>::is_excluded(Index face) const {
   if (query_.source[0] == kNone) return false;
-  const auto& ids = scene_.boundary_faces[face];
+  const auto& ids = scene_.face_stars[face].vertices;
   return contains(ids, query_.source[0]) && (query_.source[1] == kNone || contains(ids, query_.source[1]));
 }
 
@@ -190,21 +218,23 @@ bool Search<D>::is_new(Index face) {
 }
 
 template <int D>
-void Search<D>::consider(Index face) {
+void Search<D>::consider(Index face, bool follow) {
   while (face != kNone && is_new(face)) {
-    if (scene_.component_of[scene_.boundary_owners[face].element()] != component_ || is_excluded(face)) return;
+    if (scene_.face_stars[face].component != component_ || is_excluded(face)) return;
     if (scene_.inverted_owner[face]) return;
     if (counters_ != nullptr) ++counters_->faces_visited;
     const auto estimate = candidates_.estimate(face);
     const double limit = reject_above_ + estimate.error;
     if (estimate.squared_distance > limit * limit) return;
+    if (!estimate.ambiguous && is_known(face, estimate.mask)) return;
     const Candidate<D> candidate = candidates_.make(face, estimate);
-    if (is_worse(candidate) || was_blocked(candidate)) return;
+    if (is_worse(candidate) || was_dismissed(candidate.ids)) return;
     if (is_zero(candidate.offset)) return test_touching(candidate);
     const Index closer = scene_.options.cull_infeasible_regions ? closer_neighbour(candidate) : kNone;
     if (closer == kNone) return test(candidate);
     if (counters_ != nullptr) ++counters_->culled;
-    face = closer;
+    dismiss(candidate);
+    face = follow ? closer : kNone;
   }
 }
 
@@ -215,15 +245,36 @@ bool Search<D>::is_worse(const Candidate<D>& candidate) const {
   if (candidate.squared_distance != squared_bound()) return candidate.squared_distance > squared_bound();
   if (candidate.squared_distance != best_squared_) return false;
   if (candidate.target.count != best_.target.count) return candidate.target.count < best_.target.count;
+  if (candidate.ids == best_.ids && !follows_inverted_rules(candidate) && !is_split(scene_, candidate)) return true;
   return smallest_face(candidate) >= smallest_face(best_);
 }
 
+/// Whether the feature is that of the answer so far, or known not to be that of any.
 template <int D>
-bool Search<D>::was_blocked(const Candidate<D>& candidate) const {
-  if (candidate.target.count == D || follows_inverted_rules(candidate)) return false;
-  for (int i = 0; i < std::min(blocked_count_, kBlocked); ++i)
-    if (blocked_[i] == candidate.ids) return true;
+bool Search<D>::is_known(Index face, unsigned mask) const {
+  VertexTuple<D> ids;
+  ids.fill(kNone);
+  int count = 0;
+  for (int k = 0; k < D; ++k)
+    if ((mask >> k & 1) != 0) ids[count++] = scene_.face_stars[face].vertices[k];
+  if (count == D) return false;
+  if (count == 2 && ids[0] > ids[1]) std::swap(ids[0], ids[1]);
+  return (best_.face != kNone && ids == best_.ids && !follows_inverted_rules(best_) && !is_split(scene_, best_)) ||
+         was_dismissed(ids);
+}
+
+template <int D>
+bool Search<D>::was_dismissed(const VertexTuple<D>& ids) const {
+  for (int i = 0; i < std::min(dismissed_count_, kDismissed); ++i)
+    if (dismissed_[i] == ids) return true;
   return false;
+}
+
+/// The feature is not that of the answer, through whatever face it is found.
+template <int D>
+void Search<D>::dismiss(const Candidate<D>& candidate) {
+  if (candidate.target.count < D && !follows_inverted_rules(candidate) && !is_split(scene_, candidate))
+    dismissed_[dismissed_count_++ % kDismissed] = candidate.ids;
 }
 
 /// A face next to the candidate's vertex or edge that comes closer to p: then the candidate is not the answer (SPB
@@ -242,26 +293,30 @@ Index Search<D>::closer_neighbour(const Candidate<D>& candidate) const {
     }
     return slope < -2 * bound - kTrustAbove;
   };
-  if (candidate.target.count == 1) {
-    const Index v = candidate.ids[0];
-    if (!scene_.cullable[v]) return kNone;
-    for (Index face : scene_.mesh->vertex_boundary_faces(v)) {
-      if (is_excluded(face)) continue;
-      for (Index w : scene_.boundary_faces[face])
-        if (w != v && comes_closer(v, w)) return face;
-    }
-    return kNone;
-  }
-  const Index a = candidate.ids[0], b = candidate.ids[1];
-  if (!scene_.cullable[a] && !scene_.cullable[b]) return kNone;
-  const auto apex = [&](Index face) {
-    int k = 0;
-    while (scene_.boundary_faces[face][k] == a || scene_.boundary_faces[face][k] == b) ++k;
-    return k;
+  const FaceStar<D>& star = scene_.face_stars[candidate.face];
+  const auto neighbour = [&](int k, Index from) {
+    const Index other = scene_.boundary_neighbours[candidate.face][k];
+    return is_excluded(other) || !comes_closer(from, star.apexes[k]) ? kNone : other;
   };
-  const Index other = scene_.boundary_neighbours[candidate.face][apex(candidate.face)];
-  if (is_excluded(other) || !comes_closer(a, scene_.boundary_faces[other][apex(other)])) return kNone;
-  return other;
+  if (candidate.target.count == 2) {
+    const Index a = candidate.ids[0], b = candidate.ids[1];
+    if (!scene_.cullable[a] && !scene_.cullable[b]) return kNone;
+    int k = 0;
+    while (star.vertices[k] == a || star.vertices[k] == b) ++k;
+    return neighbour(k, a);
+  }
+  const Index v = candidate.ids[0];
+  if (!scene_.cullable[v]) return kNone;
+  for (int k = 0; k < D; ++k) {
+    const Index closer = star.vertices[k] == v ? kNone : neighbour(k, v);
+    if (closer != kNone) return closer;
+  }
+  for (Index face : scene_.mesh->vertex_boundary_faces(v)) {
+    if (is_excluded(face)) continue;
+    for (Index w : scene_.face_stars[face].vertices)
+      if (w != v && comes_closer(v, w)) return face;
+  }
+  return kNone;
 }
 
 /// p itself lies on the face. It is a candidate only for a penetrating vertex or edge that touches it.
@@ -281,9 +336,10 @@ void Search<D>::test(const Candidate<D>& candidate) {
   else
     result = walk.follow(candidate, state_ == ComponentState::kImmersed && squared_bound() == kInfinity);
   if (result.valid) return accept(candidate);
-  if (candidate.target.count < D && !walk.is_split(candidate)) blocked_[blocked_count_++ % kBlocked] = candidate.ids;
+  dismiss(candidate);
   const double length = distance * (result.left_at + kLeftAtError) * kBoundSlack;
   if (result.left_through == kNone || is_excluded(result.left_through) || !(length < safe_distance_)) return;
+  left_through_ = result.left_through;
   known_squared_ = std::min(known_squared_, length * length);
   reject_above_ = std::sqrt(squared_bound()) * kBoundSlack;
 }

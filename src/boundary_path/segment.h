@@ -64,6 +64,15 @@ struct Candidate {
   double offset_error = 0;     ///< absolute, per coordinate of `offset`
 };
 
+/// Where several corners of the material meet in the target, each of their faces is a target of its own.
+template <int D>
+inline bool is_split(const PathScene<D>& scene, const Candidate<D>& candidate) {
+  if (candidate.target.count == D) return false;
+  for (int i = 0; i < candidate.target.count; ++i)
+    if (!scene.is_split[candidate.ids[i]]) return false;
+  return true;
+}
+
 /// The segment from p to the closest point s of a candidate, seen along itself.
 ///
 /// Vertices are sheared so that the line through p and s becomes the axis; then the side on which the line passes an
@@ -167,6 +176,17 @@ class Segment {
     double sum = 0;
     for (int i = 0; i < D; ++i) sum += c.weights[i] * face[i].along;
     return sum / (c.total * end_);
+  }
+
+  /// Whether the line certainly crosses the face before it comes to s, wherever it passes through: exactly, since that
+  /// is seen on the coordinates of the face's vertices.
+  bool is_before_end(const Shadow (&face)[D]) const {
+    double last = forward_ * face[0].along, reach = std::abs(end_);
+    for (int i = 0; i < D; ++i) {
+      last = std::max(last, forward_ * face[i].along);
+      reach = std::max(reach, std::abs(face[i].along));
+    }
+    return last < forward_ * end_ - (candidate_.offset_error + 4 * kUnitRoundoff * reach) - kTrustAbove;
   }
 
   /// Whether the line crosses the face, which it passes through properly, no farther than 2 |p - s| from s. Exact.

@@ -60,8 +60,6 @@ class Walk {
   /// Whether p, as a point of its element, lies on the boundary face, where the face contains p.
   bool is_on(Index face) const;
 
-  bool is_split(const Candidate<D>& candidate) const;
-
  private:
   using Shadow = typename Segment<D>::Shadow;
 
@@ -81,10 +79,14 @@ class Walk {
   bool pass_gate(const Segment<D>& segment, Index next, Gate& gate) const;
   bool connects_exactly(const Segment<D>& segment, const Candidate<D>& candidate) const;
   FacePoints<D> face_points(Index element, int face) const {
-    const auto ids = SimplexMesh<D>::face_of(scene_.elements[element], face);
+    const auto ids = SimplexMesh<D>::face_of(scene_.elements[element].vertices, face);
     FacePoints<D> points;
     for (int i = 0; i < D; ++i) points[i] = scene_.positions[ids[i]];
     return points;
+  }
+  void prefetch_beyond(Index element) const {
+    for (const Index next : scene_.elements[element].neighbours)
+      if (next >= 0) prefetch(scene_.elements + HalfFace{next}.element());
   }
   void count_element() const {
     if (counters_ != nullptr) ++counters_->elements_visited;
@@ -96,21 +98,12 @@ class Walk {
   PathCounters* counters_;
 };
 
-/// Where several corners of the material meet in the target, each of their faces is a target of its own.
-template <int D>
-bool Walk<D>::is_split(const Candidate<D>& candidate) const {
-  if (candidate.target.count == D) return false;
-  for (int i = 0; i < candidate.target.count; ++i)
-    if (!scene_.is_split[candidate.ids[i]]) return false;
-  return true;
-}
-
 /// Whether the element has all vertices of the candidate's feature; of a whole face, whether it is the owner.
 template <int D>
 bool Walk<D>::contains_target(Index element, const Candidate<D>& candidate) const {
   if (candidate.target.count == D) return element == scene_.boundary_owners[candidate.face].element();
   for (int i = 0; i < candidate.target.count; ++i)
-    if (!contains(scene_.elements[element], candidate.ids[i])) return false;
+    if (!contains(scene_.elements[element].vertices, candidate.ids[i])) return false;
   return true;
 }
 
@@ -119,12 +112,12 @@ bool Walk<D>::contains_target(Index element, const Candidate<D>& candidate) cons
 template <int D>
 bool Walk<D>::is_at_corner(Index element, const Candidate<D>& candidate) const {
   const Index owner = scene_.boundary_owners[candidate.face].element();
-  if (element == owner || !is_split(candidate)) return true;
+  if (element == owner || !is_split(scene_, candidate)) return true;
   KernelVector<Index> reached{element};
   for (std::size_t k = 0; k < reached.size(); ++k) {
     for (int i = 0; i <= D; ++i) {
-      const Index next = scene_.neighbours[reached[k]][i];
-      if (next < 0 || contains(candidate.ids, scene_.elements[reached[k]][i])) continue;
+      const Index next = scene_.elements[reached[k]].neighbours[i];
+      if (next < 0 || contains(candidate.ids, scene_.elements[reached[k]].vertices[i])) continue;
       if (HalfFace{next}.element() == owner) return true;
       if (!contains(reached, HalfFace{next}.element())) reached.push_back(HalfFace{next}.element());
     }
@@ -136,7 +129,7 @@ bool Walk<D>::is_at_corner(Index element, const Candidate<D>& candidate) const {
 template <int D>
 bool Walk<D>::find_first_gate(const Segment<D>& segment, Gate& gate) const {
   gate.element = query_.element;
-  const auto& vertices = scene_.elements[query_.element];
+  const auto& vertices = scene_.elements[query_.element].vertices;
   Shadow shadows[D + 1];
   for (int i = 0; i <= D; ++i) shadows[i] = segment.shadow(vertices[i]);
   if constexpr (D == 3) {
@@ -178,7 +171,7 @@ bool Walk<D>::find_first_gate(const Segment<D>& segment, Gate& gate) const {
 template <int D>
 bool Walk<D>::pass_gate(const Segment<D>& segment, Index next, Gate& gate) const {
   const Index element = HalfFace{next}.element();
-  const auto& vertices = scene_.elements[element];
+  const auto& vertices = scene_.elements[element].vertices;
   const Shadow apex = segment.shadow(vertices[HalfFace{next}.face()]);
   int behind;  // the corner that does not see the line any more
   if constexpr (D == 3) {
@@ -208,18 +201,20 @@ WalkResult Walk<D>::follow(const Candidate<D>& candidate, bool go_on) const {
   if (!strictly_inside_ || !find_first_gate(segment, gate)) return {connects_exactly(segment, candidate)};
   bool passed = false;
   for (;;) {
-    const auto crossing = segment.crossing(gate.corners);
-    if (!passed) {
-      const int before = segment.end_before(crossing, gate.corners);
+    if (!passed && !segment.is_before_end(gate.corners)) {
+      const int before = segment.end_before(segment.crossing(gate.corners), gate.corners);
       if (before == 0) return {connects_exactly(segment, candidate)};
       passed = before > 0;
       if (passed && !go_on) return {false};
     }
-    const Index next = scene_.neighbours[gate.element][gate.face];
-    if (next < 0)
+    const Index next = scene_.elements[gate.element].neighbours[gate.face];
+    if (next < 0) {
+      const auto crossing = segment.crossing(gate.corners);
       return {false, segment.sees_well(crossing, gate.corners) ? ~next : kNone,
               segment.parameter(crossing, gate.corners)};
+    }
     count_element();
+    prefetch_beyond(HalfFace{next}.element());
     if (!passed && contains_target(HalfFace{next}.element(), candidate))
       return {is_at_corner(HalfFace{next}.element(), candidate)};
     if (!pass_gate(segment, next, gate)) return {passed ? false : connects_exactly(segment, candidate)};
@@ -237,7 +232,7 @@ bool Walk<D>::connects_exactly(const Segment<D>& segment, const Candidate<D>& ca
     pending.pop_back();
     if (contains_target(element, candidate) && is_at_corner(element, candidate)) return true;
     for (int i = 0; i <= D; ++i) {
-      const Index next = scene_.neighbours[element][i];
+      const Index next = scene_.elements[element].neighbours[i];
       if (next < 0) continue;
       segment.count_exact();
       if (!segment.exact().touches(face_points(element, i))) continue;
@@ -263,11 +258,11 @@ KernelVector<Index> Walk<D>::elements_at_point() const {
   if (strictly_inside_) return elements;
   for (std::size_t k = 0; k < elements.size(); ++k) {
     std::array<Vec<D>, D + 1> corners;
-    for (int i = 0; i <= D; ++i) corners[i] = scene_.positions[scene_.elements[elements[k]][i]];
+    for (int i = 0; i <= D; ++i) corners[i] = scene_.positions[scene_.elements[elements[k]].vertices[i]];
     const bool is_flat = orientation(corners) == 0;
     const unsigned on_faces = is_flat ? 0 : locate_in_simplex<D>(corners, query_.point).zero_mask;
     for (int i = 0; i <= D; ++i) {
-      const Index next = scene_.neighbours[elements[k]][i];
+      const Index next = scene_.elements[elements[k]].neighbours[i];
       if (next < 0 || contains(elements, HalfFace{next}.element())) continue;
       if (is_flat ? face_holds_point(elements[k], i) : (on_faces >> i & 1) != 0)
         elements.push_back(HalfFace{next}.element());
@@ -293,7 +288,7 @@ bool Walk<D>::face_holds_point(Index element, int face) const {
 /// Whether the whole line through p and s meets face i of an element, not too far from s.
 template <int D>
 bool Walk<D>::line_passes(const Segment<D>& segment, Index element, int face) const {
-  const auto ids = SimplexMesh<D>::face_of(scene_.elements[element], face);
+  const auto ids = SimplexMesh<D>::face_of(scene_.elements[element].vertices, face);
   Shadow corners[D];
   for (int i = 0; i < D; ++i) corners[i] = segment.shadow(ids[i]);
   int positive = 0, negative = 0;
@@ -329,7 +324,7 @@ bool Walk<D>::follow_backwards(const Candidate<D>& candidate) const {
     count_element();
     if (contains(goals, entry.element())) return true;
     for (int i = 0; i <= D; ++i) {
-      const Index next = scene_.neighbours[entry.element()][i];
+      const Index next = scene_.elements[entry.element()].neighbours[i];
       if (i != entry.face() && next >= 0 && line_passes(segment, entry.element(), i)) pending.push_back(HalfFace{next});
     }
   }

@@ -37,10 +37,34 @@ void expect_identical(const Case<D>& c, const std::vector<BoundaryPath<D>>& path
 
 template <int D>
 void check_threads(const Case<D>& c) {
+  std::vector<PathCounters> first;
   for (const std::size_t threads : {1, 2, 4}) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
     const BoundaryPathFinder<D> finder(c.subject.mesh, c.subject.judge.positions());
-    expect_identical(c, finder.find_paths(c.queries), std::to_string(threads) + " threads");
+    std::vector<PathCounters> counters(c.queries.size());
+    expect_identical(c, finder.find_paths(c.queries, {}, counters), std::to_string(threads) + " threads");
+    if (first.empty()) first = counters;
+    for (std::size_t i = 0; i < counters.size(); ++i) {
+      ASSERT_EQ(counters[i].volumes_visited, first[i].volumes_visited) << threads << ' ' << i;
+      ASSERT_EQ(counters[i].faces_visited, first[i].faces_visited) << threads << ' ' << i;
+      ASSERT_EQ(counters[i].elements_visited, first[i].elements_visited) << threads << ' ' << i;
+    }
+  }
+}
+
+// Searches walk in company, and start from each other's answers.
+template <int D>
+void check_company(const Case<D>& c) {
+  const std::size_t n = c.queries.size();
+  std::vector<BoundaryPath<D>> alone;
+  for (const PathQuery<D>& query : c.queries) alone.push_back(c.finder.find_paths(std::span(&query, 1)).front());
+  expect_identical(c, alone, "alone");
+  for (const std::size_t step : {7, 50}) {
+    std::vector<PathQuery<D>> some;
+    for (std::size_t i = 0; i < n; i += step) some.push_back(c.queries[n - 1 - i]);
+    const auto paths = c.finder.find_paths(some);
+    for (std::size_t i = 0; i < paths.size(); ++i)
+      ASSERT_TRUE(families::is_identical<D>(paths[i], c.answers[n - 1 - i * step])) << step << ' ' << i;
   }
 }
 
@@ -146,6 +170,12 @@ TEST_P(PlanarInvariance, Threads) {
 }
 TEST_P(SolidInvariance, Threads) {
   check_threads(Case<3>(GetParam()));
+}
+TEST_P(PlanarInvariance, Company) {
+  check_company(Case<2>(GetParam()));
+}
+TEST_P(SolidInvariance, Company) {
+  check_company(Case<3>(GetParam()));
 }
 TEST_P(PlanarInvariance, SwitchesAndCounters) {
   check_switches(Case<2>(GetParam()));

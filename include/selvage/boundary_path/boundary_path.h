@@ -64,7 +64,7 @@ struct PoseDefects {
 /// Switches for measurement; none changes any answer.
 struct PathOptions {
   bool cull_infeasible_regions = true;  ///< SPB section 3.6
-  bool use_hints = true;                ///< start from a boundary face that is near in the mesh
+  bool use_hints = true;                ///< start from faces near in the mesh, and from answers to other queries
 };
 
 /// Shortest paths from interior points to the boundary of a mesh that may intersect itself, in the plane and in space.
