@@ -180,5 +180,32 @@ TEST(Contacts, KeepBodiesApart) {
   EXPECT_LE(statistics.seconds_material + statistics.seconds_projection, statistics.seconds);
 }
 
+/// How fast a block slides on a slope of elements of 25 degrees (of tangent 0.466) after 0.3 s [m/s].
+double slide(double friction) {
+  const MeshFile slope = moved(make_box({0.6, 0.3, 0.05}, 0.05), {-0.2, -0.075, -0.0501});
+  const Model model = make(std::vector<MeshFile>{slope, make_box({0.15, 0.15, 0.08}, 0.04)}, neo_hookean(1e5, 0.3));
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(25 * M_PI / 180, Vec3::UnitY()).toRotationMatrix();
+  State state = make_state(model, model.rest_positions);
+  for (Vec3& p : state.positions) p = turn * p;
+  Handle held;
+  for (Index v = 0; v < model.bodies[0].vertex_count; ++v) held.vertices.push_back(v);
+  XpbdOptions options;
+  options.iterations = 5;
+  options.static_friction = options.dynamic_friction = friction;
+  XpbdSolver solver(model, state, {held}, {}, options);
+  for (int i = 0; i < 90; ++i) solver.step(state);
+  for (Index v = held.vertices.back() + 1; v < model.mesh.vertex_count(); ++v)
+    EXPECT_GT((turn.transpose() * state.positions[v])[2], -0.002);
+  return (momentum(model, state) / (1000 * 0.15 * 0.15 * 0.08)).dot(turn * Vec3::UnitX());
+}
+
+TEST(Contacts, HoldABlockByFriction) {
+  EXPECT_LT(std::abs(slide(0.7)), 0.02);
+  EXPECT_GT(slide(0.05), 0.4);
+  // Without friction edges still bump into one another: below 9.81 sin(25) 0.3 s.
+  EXPECT_GT(slide(0), 0.8);
+  EXPECT_LT(slide(0), 1.25);
+}
+
 }  // namespace
 }  // namespace selvage
