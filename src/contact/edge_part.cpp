@@ -20,7 +20,7 @@ std::optional<double> middle_of_part(const std::array<Vec3, 2>& segment, const s
   if (!(first <= last)) return {};
   const double middle = (first + last) / 2;
   const Vec3 point = segment[0] + middle * (segment[1] - segment[0]);
-  if (!locate_in_simplex<3>(tetrahedron, point).inside) return {};
+  if (!point.allFinite() || !locate_in_simplex<3>(tetrahedron, point).inside) return {};
   return middle;
 }
 

@@ -4,6 +4,8 @@
 #include "selvage/bvh/traverse.h"
 #include "selvage/mesh/simplex_mesh.h"
 
+#include <Eigen/LU>
+
 #include <cmath>
 
 namespace selvage {
@@ -20,22 +22,38 @@ struct Range {
   bool meets(const Range& other) const {
     return (lower.array() <= other.upper.array()).all() && (other.lower.array() <= upper.array()).all();
   }
+  Vec3 middle() const { return (lower + upper) / 2; }
+  Vec3 half() const { return (upper - lower) / 2; }
   Range grown(double by) const { return {lower.array() - by, upper.array() + by}; }
   Box box() const { return enclosing_box<3>(lower, upper); }
+  static Range everything() { return {Vec3::Constant(-HUGE_VAL), Vec3::Constant(HUGE_VAL)}; }
 };
 
-/// The largest coordinates of the differences between what lies in one range and in another.
-inline Vec3 largest_difference(const Range& a, const Range& b) {
-  return (a.upper - b.lower).cwiseAbs().cwiseMax((b.upper - a.lower).cwiseAbs());
-}
+using Matrix3 = Eigen::Matrix<double, 3, 3, Eigen::DontAlign>;
+
+/// How the vertices of a block have moved since the reference pose: all alike by an affine map, and each by the rest.
+struct BlockMotion {
+  Matrix3 forward = Matrix3::Identity();   ///< from the reference pose to now, about the anchors
+  Matrix3 backward = Matrix3::Identity();  ///< its inverse or so: nothing depends on that
+  Vec3 anchor = Vec3::Zero();              ///< a vertex of the block now
+  Vec3 reference_anchor = Vec3::Zero();
+  Range rest;           ///< of a vertex now less where `forward` takes it
+  Range backward_rest;  ///< of where `backward` takes a vertex less where it was
+  double size = 2;      ///< how rounding grows: 1 + norm of both maps
+
+  /// Where a point of now would have been in the reference pose, had it moved as the block has.
+  Vec3 to_reference(const Vec3& x) const { return reference_anchor + backward * (x - anchor); }
+};
 
 /// The elements of a mesh in blocks of neighbours, with the boxes that they had in a reference pose.
 ///
-/// A new pose only tells where each block is and by how much its vertices have moved: a pass over vertices, none over
-/// elements. Where an element is now, it is not known to more than that: see visit_elements().
+/// A new pose only tells where each block is and how its vertices have moved: a pass over vertices, none over elements.
+/// Where an element is now is not known beyond that; see in_reference().
 class ElementBlocks {
  public:
-  static constexpr Index kSize = 64;
+  static constexpr Index kPart = 16;
+  static constexpr Index kParts = 8;
+  static constexpr Index kSize = kPart * kParts;
 
   /// Cuts the blocks and takes the pose for reference.
   ElementBlocks(const TetMesh& mesh, std::span<const Vec3> positions);
@@ -46,18 +64,18 @@ class ElementBlocks {
   /// The pose is a new reference. O(n), parallel.
   void take_reference(std::span<const Vec3> positions);
 
-  /// A new pose.
+  /// A new pose. O(n), parallel.
   void place(std::span<const Vec3> positions);
 
   /// (n_vertices) the reference pose.
   std::span<const Vec3> reference() const { return reference_; }
 
-  /// Where a block's vertices are, and by how much they have moved since the reference.
+  /// Where a block's vertices are, and how they have moved.
   const Range& extent(Index block) const { return extents_[block]; }
-  const Range& motion(Index block) const { return motions_[block]; }
+  const BlockMotion& motion(Index block) const { return motions_[block]; }
 
-  /// More than the rounding of a sum of a few coordinates. [m]
-  double slack() const { return slack_; }
+  /// More than what rounding adds to a length in the reference pose that was found by a block's motion. [m]
+  double slack(Index block) const { return rounding_ * motions_[block].size; }
 
   /// Visits all blocks whose extent meets a range.
   template <typename Visit>
@@ -66,50 +84,76 @@ class ElementBlocks {
   }
 
   /// Visits all elements of a block whose boxes in the reference pose meet a range.
-  ///
-  /// What lies in an element now is a weighted mean of its vertices; it lay, with the same weights, in the box of the
-  /// element in the reference pose, and has since moved by the mean of what the vertices have: by something in
-  /// motion(block). So all elements that meet a range now are found where that range was: at its lower end less the
-  /// upper one of the motion, to its upper end less the lower.
   template <typename Visit>
   void visit_elements(Index block, const Range& range, Visit&& visit) const;
 
-  /// A range of now, as it may have been for a block in the reference pose.
-  Range in_reference(Index block, const Range& now) const {
-    return Range{now.lower - motions_[block].upper, now.upper - motions_[block].lower}.grown(slack_);
-  }
+  /// The range in which, in the reference pose, all elements of a block lay that have a point in common now with the
+  /// segment between two points.
+  ///
+  /// A common point is a weighted mean of the element's vertices, and so is where `backward` takes it, of where that
+  /// takes them: of where they were in the reference pose, in the element's box, and of `backward_rest`.
+  Range in_reference(Index block, const std::array<Vec3, 2>& segment) const;
+
+  /// An upper bound of how differently the vertices of one block have moved from those of another, as seen from the
+  /// reference pose of the other. [m]
+  double difference_bound(Index block, Index other) const;
+
+  /// The same for the two ends of a segment and a block.
+  double difference_bound(const std::array<Index, 2>& ends, std::span<const Vec3> positions, Index other) const;
 
  private:
-  /// Eight of its boxes at a time; absent ones are empty.
+  template <Index N>
   struct Boxes {
-    float lower[3][kSize];
-    float upper[3][kSize];
+    float lower[3][N];
+    float upper[3][N];
+
+    void set(Index i, const Box& box) {
+      for (int axis = 0; axis < 3; ++axis) {
+        lower[axis][i] = box.lower[axis];
+        upper[axis][i] = box.upper[axis];
+      }
+    }
+    /// Those of eight boxes that meet a query.
+    unsigned meeting(Index first, const traversal::WideBox& query) const {
+      unsigned mask = 0xff;
+      for (int axis = 0; axis < 3; ++axis) {
+        mask &= less_equal(Float8::load(lower[axis] + first), query.upper[axis]);
+        mask &= less_equal(query.lower[axis], Float8::load(upper[axis] + first));
+      }
+      return mask;
+    }
   };
 
   void list_vertices();
+  std::span<const Index> vertices_of(Index block) const;
+  void refer(Index block);
+  void move(Index block, std::span<const Vec3> positions, std::vector<float>& scratch);
+  void fit_hierarchy();
 
   const TetMesh& mesh_;
-  std::vector<Index> order_;     ///< elements, block after block
-  std::vector<Index> block_of_;  ///< per element
-  std::vector<Index> vertices_, vertices_first_;
+  std::vector<Index> order_;                      ///< elements, block after block
+  std::vector<Index> block_of_;                   ///< per element
+  std::vector<Index> vertices_, vertices_first_;  ///< of blocks; in eights, the first one again where one is missing
   std::vector<Vec3> reference_;
-  std::vector<Boxes> boxes_;
-  std::vector<Range> extents_, motions_;
+  std::vector<Boxes<kSize>> boxes_;
+  std::vector<Boxes<kParts>> part_boxes_;
+  std::vector<float> arms_;  ///< of each block six rows: vertices about the anchor, and their weights in the fit
+  std::vector<Range> arm_ranges_;
+  std::vector<Range> extents_;
+  std::vector<BlockMotion> motions_;
   Bvh hierarchy_;
-  double slack_ = 0;
+  double rounding_ = 0;
 };
 
 template <typename Visit>
 void ElementBlocks::visit_elements(Index block, const Range& range, Visit&& visit) const {
-  const Boxes& boxes = boxes_[block];
   const traversal::WideBox query(range.box());
-  for (Index first = 0; first < kSize; first += 8) {
-    unsigned meeting = 0xff;
-    for (int axis = 0; axis < 3; ++axis) {
-      meeting &= less_equal(Float8::load(boxes.lower[axis] + first), query.upper[axis]);
-      meeting &= less_equal(query.lower[axis], Float8::load(boxes.upper[axis] + first));
-    }
-    for (; meeting != 0; meeting &= meeting - 1) visit(order_[block * kSize + first + lowest_lane(meeting)]);
+  const Index begin = block * kSize, end = static_cast<Index>(order_.size());
+  for (unsigned parts = part_boxes_[block].meeting(0, query); parts != 0; parts &= parts - 1) {
+    const Index part = lowest_lane(parts) * kPart;
+    for (Index first = part; first < part + kPart && begin + first < end; first += 8)
+      for (unsigned rest = boxes_[block].meeting(first, query); rest != 0; rest &= rest - 1)
+        if (const Index place = begin + first + lowest_lane(rest); place < end) visit(order_[place]);
   }
 }
 

@@ -20,12 +20,10 @@ constexpr std::int64_t kGroupsAtOnce = 16;
 constexpr std::int64_t kFeaturesAtOnce = 64;
 
 /// What a pose must cost in searches that a younger reference would spare, in features of the surface, to be worth one.
-constexpr std::int64_t kPatience = 2;
+constexpr std::int64_t kPatience = 6;
 
-/// Whether two motions differ by less than a length, both of all in a range each.
-bool differ_by_less(const Range& a, const Range& b, double length) {
-  return length > 0 && largest_difference(a, b).squaredNorm() < length * length;
-}
+/// Of the largest clearance that is looked for.
+constexpr double kLeastClearance = 0.125;
 
 }  // namespace
 
@@ -58,6 +56,14 @@ void PenetrationSearch::group_features() {
   for (Index f = 0; f < feature_count(); ++f) members_[next[home(f)]++] = f;
 }
 
+std::span<Index> PenetrationSearch::members_of(Index group) {
+  return std::span(members_).subspan(members_first_[group], members_first_[group + 1] - members_first_[group]);
+}
+
+std::span<const Index> PenetrationSearch::members_of(Index group) const {
+  return std::span(members_).subspan(members_first_[group], members_first_[group + 1] - members_first_[group]);
+}
+
 void PenetrationSearch::place(std::span<const Vec3> positions) {
   positions_.assign(positions.begin(), positions.end());
   if (avoidable_ > kPatience * feature_count()) {
@@ -71,39 +77,42 @@ void PenetrationSearch::take_reference() {
   blocks_.take_reference(positions_);
   parallel_for(feature_count(), kFeaturesAtOnce,
                [&](std::int64_t i) { clearances_[members_[i]] = clearance_of(members_[i]); });
+  parallel_for(blocks_.count(), 64, [&](std::int64_t b) {
+    const auto members = members_of(static_cast<Index>(b));
+    std::sort(members.begin(), members.end(),
+              [&](Index f, Index g) { return std::pair(clearances_[f], f) < std::pair(clearances_[g], g); });
+  });
   avoidable_ = 0;
   ++references_;
 }
 
-/// No more than half of an edge there, so that few elements need be looked at.
+/// No more than half of an edge there, so that few elements need be looked at; and 0 where it is so little that the
+/// feature would soon be searched for again, whatever the reference.
 float PenetrationSearch::clearance_of(Index feature) const {
   const auto& ends = features_[feature];
   const auto& face = mesh_.boundary_faces()[mesh_.vertex_boundary_faces(ends[0]).front()];
   const Index other = is_edge(feature) ? ends[1] : face[0] == ends[0] ? face[1] : face[0];
-  double clearance = (positions_[other] - positions_[ends[0]]).norm() / 2;
-  if (!std::isfinite(clearance)) return 0;
+  const double most = (positions_[other] - positions_[ends[0]]).norm() / 2;
+  if (!std::isfinite(most)) return 0;
+  double clearance = most;
   const auto segment = corners_of(ends, positions_);
   const Range range = range_of(feature).grown(clearance);
   blocks_.visit_near(range, [&](Index block) {
-    if (!(clearance > 0)) return;
-    blocks_.visit_elements(block, blocks_.in_reference(block, range), [&](Index element) {
+    if (!(clearance > kLeastClearance * most)) return;
+    blocks_.visit_elements(block, blocks_.in_reference(block, segment).grown(clearance), [&](Index element) {
       const auto& corners = mesh_.elements()[element];
-      if (!(clearance > 0) || share_vertex(ends, corners)) return;
-      clearance = std::min(clearance, distance_bound(segment, corners_of(corners, positions_)) - blocks_.slack());
+      if (!(clearance > kLeastClearance * most) || share_vertex(ends, corners)) return;
+      const double slack = blocks_.slack(block);
+      clearance =
+          std::min(clearance, distance_bound(segment, corners_of(corners, positions_), clearance + slack) - slack);
     });
   });
-  return clearance > 0 ? round_down(clearance) : 0;
+  return clearance > kLeastClearance * most ? round_down(clearance) : 0;
 }
 
 Range PenetrationSearch::range_of(Index feature) const {
   Range range;
   for (const Index v : features_[feature]) range.add(positions_[v]);
-  return range;
-}
-
-Range PenetrationSearch::motion_of(Index feature) const {
-  Range range;
-  for (const Index v : features_[feature]) range.add(positions_[v] - blocks_.reference()[v]);
   return range;
 }
 
@@ -130,23 +139,16 @@ std::vector<Penetration> PenetrationSearch::find(std::span<const Index> features
   return merge(pieces, counters);
 }
 
-/// Clears the whole group beside a block at once where the motions of both allow it.
+/// All features of a group are on the group's block, and move as that does.
 void PenetrationSearch::search_group(Index group, Findings& findings) const {
-  const auto members =
-      std::span(members_).subspan(members_first_[group], members_first_[group + 1] - members_first_[group]);
+  const auto members = members_of(group);
   if (members.empty()) return;
-  Range range, motion;
-  float clearance = clearances_[members.front()];
-  for (const Index f : members) {
-    for (const Index v : features_[f]) {
-      range.add(positions_[v]);
-      motion.add(positions_[v] - blocks_.reference()[v]);
+  blocks_.visit_near(blocks_.extent(group), [&](Index block) {
+    const double bound = blocks_.difference_bound(group, block);
+    for (const Index f : members) {
+      if (bound < clearances_[f]) return;  // and those after it are clearer still
+      search_block(f, range_of(f), block, findings);
     }
-    clearance = std::min(clearance, clearances_[f]);
-  }
-  blocks_.visit_near(range, [&](Index block) {
-    if (differ_by_less(motion, blocks_.motion(block), clearance - blocks_.slack())) return;
-    for (const Index f : members) search_block(f, range_of(f), block, findings);
   });
 }
 
@@ -157,12 +159,15 @@ void PenetrationSearch::search_near(Index feature, Findings& findings) const {
 
 void PenetrationSearch::search_block(Index feature, const Range& range, Index block, Findings& findings) const {
   if (!range.meets(blocks_.extent(block))) return;
-  if (differ_by_less(motion_of(feature), blocks_.motion(block), clearances_[feature] - blocks_.slack())) return;
+  const float clearance = clearances_[feature];
+  if (clearance > 0 && blocks_.difference_bound(features_[feature], positions_, block) < clearance) return;
   ++findings.counters.searched;
-  findings.avoidable += clearances_[feature] > 0;
-  blocks_.visit_elements(block, blocks_.in_reference(block, range), [&](Index element) {
-    if (!share_vertex(features_[feature], mesh_.elements()[element])) test(feature, element, findings);
-  });
+  findings.avoidable += clearance > 0;
+  blocks_.visit_elements(block, blocks_.in_reference(block, corners_of(features_[feature], positions_)),
+                         [&](Index element) {
+                           if (!share_vertex(features_[feature], mesh_.elements()[element]))
+                             test(feature, element, findings);
+                         });
 }
 
 void PenetrationSearch::test(Index feature, Index element, Findings& findings) const {

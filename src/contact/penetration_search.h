@@ -20,9 +20,10 @@ struct Penetration {
 /// Not every pose is searched. In a reference pose each feature learns a lower bound of its distance to all those
 /// elements: its clearance. While every vertex of the feature has moved differently from every vertex of an element by
 /// less than that, the two cannot have met: a point of the one and a point of the other have moved as weighted means of
-/// their vertices, so by no more differently. That compares motions of blocks of elements, and is all that most
-/// features ever need; the others are searched for among the elements of a block that may be there. It holds for any
-/// motion, of inverted elements too. See docs/contact.md.
+/// their vertices, so by no more differently. What two blocks of vertices have moved differently, as seen from where
+/// one of them was, is a question of two affine maps and what these leave over; that is all that most features ever
+/// need. The others are searched for among the elements of a block that may be there. It holds for any motion, of
+/// inverted elements too. See docs/contact.md.
 class PenetrationSearch {
  public:
   /// @param with_edges  whether edges are features, too
@@ -55,7 +56,8 @@ class PenetrationSearch {
   void take_reference();
   float clearance_of(Index feature) const;
   Range range_of(Index feature) const;
-  Range motion_of(Index feature) const;
+  std::span<Index> members_of(Index group);
+  std::span<const Index> members_of(Index group) const;
   void search_group(Index group, Findings& findings) const;
   void search_near(Index feature, Findings& findings) const;
   void search_block(Index feature, const Range& range, Index block, Findings& findings) const;
@@ -66,7 +68,7 @@ class PenetrationSearch {
   const TriangleMesh& surface_;
   Index vertex_count_ = 0;
   std::vector<VertexTuple<2>> features_;        ///< vertices; of a vertex twice the same
-  std::vector<Index> members_, members_first_;  ///< features by the block at which they are
+  std::vector<Index> members_, members_first_;  ///< features by the block they are on, and there by clearance
   std::vector<Vec3> positions_;
   ElementBlocks blocks_;
   std::vector<float> clearances_;

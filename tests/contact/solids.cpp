@@ -159,6 +159,15 @@ const std::vector<Motion>& motions() {
          const Vec3 way = random.vector(0.2);
          for (Vec3& x : positions) x = ((x + way) * 8).array().round() / 8;
        }},
+      {"flattened",
+       [](Positions& positions, Random&) {
+         for (Vec3& x : positions) x[2] = 0.01 * x[2] + 0.3 * x[0];
+       }},
+      {"blown_up",
+       [](Positions& positions, Random& random) {
+         for (Vec3& x : positions)
+           if (random.unit() < 0.1) x *= x.cwiseAbs().maxCoeff() < 1e50 ? 1e130 : 1e-150;
+       }},
       {"mirror",
        [](Positions& positions, Random&) {
          for (Vec3& x : positions) x[0] = -x[0];
