@@ -29,6 +29,29 @@ struct Range {
   static Range everything() { return {Vec3::Constant(-HUGE_VAL), Vec3::Constant(HUGE_VAL)}; }
 };
 
+/// Boxes to be compared eight at a time.
+template <Index N>
+struct Boxes {
+  float lower[3][N];
+  float upper[3][N];
+
+  void set(Index i, const Box& box) {
+    for (int axis = 0; axis < 3; ++axis) {
+      lower[axis][i] = box.lower[axis];
+      upper[axis][i] = box.upper[axis];
+    }
+  }
+  /// Those of eight boxes that meet a query.
+  unsigned meeting(Index first, const traversal::WideBox& query) const {
+    unsigned mask = 0xff;
+    for (int axis = 0; axis < 3; ++axis) {
+      mask &= less_equal(Float8::load(lower[axis] + first), query.upper[axis]);
+      mask &= less_equal(query.lower[axis], Float8::load(upper[axis] + first));
+    }
+    return mask;
+  }
+};
+
 using Matrix3 = Eigen::Matrix<double, 3, 3, Eigen::DontAlign>;
 
 /// How the vertices of a block have moved since the reference pose: all alike by an affine map, and each by the rest.
@@ -102,28 +125,6 @@ class ElementBlocks {
   double difference_bound(const std::array<Index, 2>& ends, std::span<const Vec3> positions, Index other) const;
 
  private:
-  template <Index N>
-  struct Boxes {
-    float lower[3][N];
-    float upper[3][N];
-
-    void set(Index i, const Box& box) {
-      for (int axis = 0; axis < 3; ++axis) {
-        lower[axis][i] = box.lower[axis];
-        upper[axis][i] = box.upper[axis];
-      }
-    }
-    /// Those of eight boxes that meet a query.
-    unsigned meeting(Index first, const traversal::WideBox& query) const {
-      unsigned mask = 0xff;
-      for (int axis = 0; axis < 3; ++axis) {
-        mask &= less_equal(Float8::load(lower[axis] + first), query.upper[axis]);
-        mask &= less_equal(query.lower[axis], Float8::load(upper[axis] + first));
-      }
-      return mask;
-    }
-  };
-
   void list_vertices();
   std::span<const Index> vertices_of(Index block) const;
   void refer(Index block);

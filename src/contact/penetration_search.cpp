@@ -120,8 +120,9 @@ std::vector<Penetration> PenetrationSearch::find_all(PenetrationCounters& counte
   std::vector<Findings> pieces((blocks_.count() + kGroupsAtOnce - 1) / kGroupsAtOnce);
   parallel_for(std::ssize(pieces), 1, [&](std::int64_t k) {
     const std::int64_t last = std::min<std::int64_t>((k + 1) * kGroupsAtOnce, blocks_.count());
+    Scratch scratch;
     for (std::int64_t group = k * kGroupsAtOnce; group < last; ++group)
-      search_group(static_cast<Index>(group), pieces[k]);
+      search_group(static_cast<Index>(group), scratch, pieces[k]);
   });
   for (const Findings& findings : pieces) avoidable_ += findings.avoidable;
   counters.features += feature_count();
@@ -139,26 +140,39 @@ std::vector<Penetration> PenetrationSearch::find(std::span<const Index> features
   return merge(pieces, counters);
 }
 
-/// All features of a group are on the group's block, and move as that does.
-void PenetrationSearch::search_group(Index group, Findings& findings) const {
+/// All features of a group are on the group's block, and move as that does: those whose clearance is more than that
+/// differs from another block need not be looked at. Of the others, eight at a time, those that are near the block.
+void PenetrationSearch::search_group(Index group, Scratch& scratch, Findings& findings) const {
   const auto members = members_of(group);
   if (members.empty()) return;
+  scratch.near.clear();
   blocks_.visit_near(blocks_.extent(group), [&](Index block) {
-    const double bound = blocks_.difference_bound(group, block);
-    for (const Index f : members) {
-      if (bound < clearances_[f]) return;  // and those after it are clearer still
-      search_block(f, range_of(f), block, findings);
-    }
+    scratch.near.push_back({block, count_below(members, blocks_.difference_bound(group, block))});
   });
+  Index most = 0;
+  for (const auto& [block, count] : scratch.near) most = std::max(most, count);
+  scratch.boxes.resize((most + 7) / 8);
+  for (Index i = 0; i < most; ++i) scratch.boxes[i / 8].set(i % 8, range_of(members[i]).box());
+  for (const auto& [block, count] : scratch.near) {
+    const traversal::WideBox extent(blocks_.extent(block).box());
+    for (Index first = 0; first < count; first += 8)
+      for (unsigned rest = scratch.boxes[first / 8].meeting(0, extent); rest != 0; rest &= rest - 1)
+        if (const Index i = first + lowest_lane(rest); i < count) search_block(members[i], block, findings);
+  }
+}
+
+/// How many of a group's features, which are sorted, are not certainly clear of what has moved differently by a bound.
+Index PenetrationSearch::count_below(std::span<const Index> members, double bound) const {
+  const auto place =
+      std::partition_point(members.begin(), members.end(), [&](Index f) { return !(bound < clearances_[f]); });
+  return static_cast<Index>(place - members.begin());
 }
 
 void PenetrationSearch::search_near(Index feature, Findings& findings) const {
-  const Range range = range_of(feature);
-  blocks_.visit_near(range, [&](Index block) { search_block(feature, range, block, findings); });
+  blocks_.visit_near(range_of(feature), [&](Index block) { search_block(feature, block, findings); });
 }
 
-void PenetrationSearch::search_block(Index feature, const Range& range, Index block, Findings& findings) const {
-  if (!range.meets(blocks_.extent(block))) return;
+void PenetrationSearch::search_block(Index feature, Index block, Findings& findings) const {
   const float clearance = clearances_[feature];
   if (clearance > 0 && blocks_.difference_bound(features_[feature], positions_, block) < clearance) return;
   ++findings.counters.searched;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "contact/element_blocks.h"
+#include "selvage/bvh/overlap.h"
 #include "selvage/contact/contact_finder.h"
 #include "selvage/mesh/triangle_mesh.h"
 
@@ -52,15 +53,22 @@ class PenetrationSearch {
     std::int64_t avoidable = 0;  ///< searches that a younger reference might have spared
   };
 
+  /// Of a group: blocks near it, how many of its features are of interest to each, and boxes of these.
+  struct Scratch {
+    std::vector<IndexPair> near;
+    std::vector<Boxes<8>> boxes;
+  };
+
   void group_features();
   void take_reference();
   float clearance_of(Index feature) const;
   Range range_of(Index feature) const;
   std::span<Index> members_of(Index group);
   std::span<const Index> members_of(Index group) const;
-  void search_group(Index group, Findings& findings) const;
+  void search_group(Index group, Scratch& scratch, Findings& findings) const;
+  Index count_below(std::span<const Index> members, double bound) const;
   void search_near(Index feature, Findings& findings) const;
-  void search_block(Index feature, const Range& range, Index block, Findings& findings) const;
+  void search_block(Index feature, Index block, Findings& findings) const;
   void test(Index feature, Index element, Findings& findings) const;
   std::vector<Penetration> merge(std::vector<Findings>& pieces, PenetrationCounters& counters) const;
 
