@@ -27,6 +27,8 @@ double distance_bound(const std::array<Vec3, 2>& segment, const std::array<Vec3,
   try_direction(b.cross(c));
   try_direction(c.cross(a));
   try_direction((b - a).cross(c - a));
+  if (bound >= enough) return bound;
+  for (const Vec3& edge : {a, b, c, Vec3(b - a), Vec3(c - a), Vec3(c - b)}) try_direction((q - p).cross(edge));
   return bound;
 }
 

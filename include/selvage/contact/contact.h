@@ -2,8 +2,6 @@
 
 #include "selvage/core/types.h"
 
-#include <limits>
-
 namespace selvage {
 
 /// What met what.
