@@ -126,18 +126,24 @@ ProjectionPlane plane_across(const Vec3& direction) {
 }
 
 template <int kSteps>
-void GraphTest<kSteps>::place(const SurfacePieces& pieces, const Poses& poses) {
+void GraphTest<kSteps>::take(const SurfacePieces& pieces, const Poses& poses) {
   pieces_ = &pieces;
   poses_ = poses;
   const std::size_t count = pieces.triangles().size();
   for (auto& coefficient : areas_)
     for (auto& row : coefficient) row.resize(count + EdgeBlock::kWidth);  // whole blocks are read
-  const auto groups = static_cast<std::int64_t>((count + kGroup - 1) / kGroup);
-  group_areas_.resize(groups);
-  parallel_ranges(groups, kGroupsAtOnce, [&](std::int64_t first, std::int64_t last) {
-    for (std::int64_t group = first; group < last; ++group)
-      compute_areas(static_cast<Index>(group) * kGroup,
-                    static_cast<Index>(std::min((group + 1) * kGroup, static_cast<std::int64_t>(count))));
+  group_areas_.resize((count + kGroup - 1) / kGroup);
+}
+
+template <int kSteps>
+void GraphTest<kSteps>::measure(SurfacePieces::Range places) {
+  const Index first_group = places.first / kGroup, last_group = (places.last + kGroup - 1) / kGroup;
+  const auto count = static_cast<Index>(pieces_->triangles().size());
+  parallel_ranges(last_group - first_group, kGroupsAtOnce, [&](std::int64_t first, std::int64_t last) {
+    for (std::int64_t i = first; i < last; ++i) {
+      const Index place = (first_group + static_cast<Index>(i)) * kGroup;
+      compute_areas(place, count - place < kGroup ? count : place + kGroup);
+    }
   });
 }
 

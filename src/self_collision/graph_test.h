@@ -18,7 +18,14 @@ class GraphTest {
   using Poses = std::array<std::span<const Vec3>, kSteps>;
 
   /// Takes new poses: O(n), parallel. Keeps references to what it is given.
-  void place(const SurfacePieces& pieces, const Poses& poses);
+  void place(const SurfacePieces& pieces, const Poses& poses) {
+    take(pieces, poses);
+    measure({0, static_cast<Index>(pieces.triangles().size())});
+  }
+
+  /// The same in two parts: what has not been measured since poses were taken must not be asked.
+  void take(const SurfacePieces& pieces, const Poses& poses);
+  void measure(SurfacePieces::Range places);
 
   /// Memory of one thread.
   struct Workspace {

@@ -45,6 +45,29 @@ void clear_from_root(const Bvh& bvh, const SurfacePieces& pieces, Index smallest
   }
 }
 
+/// Whether a sample of the smallest pieces, the likeliest to be graphs, has enough of them to pay for asking all. What
+/// is measured for the sample need not be measured again, but it is little.
+template <int kSteps>
+bool is_worth_asking(const SurfacePieces& pieces, GraphTest<kSteps>& test) {
+  constexpr std::size_t kOneOf = 16, kFewestSampled = 16;
+  // A triangle spared brings more where it would be compared during a step.
+  constexpr std::int64_t kCostShare = kSteps == 1 ? 3 : 16;
+  std::vector<Index> small;
+  for (std::size_t n = 0; n < pieces.ranges().size(); ++n)
+    if (const Index size = pieces.ranges()[n].size(); size >= kSmallestPiece && size < 4 * kSmallestPiece)
+      small.push_back(static_cast<Index>(n));
+  if (small.size() < kOneOf * kFewestSampled) return true;
+  std::int64_t asked = 0, clear = 0;
+  typename GraphTest<kSteps>::Workspace workspace;
+  for (std::size_t i = 0; i < small.size(); i += kOneOf) {
+    const SurfacePieces::Range range = pieces.ranges()[small[i]];
+    test.measure(range);
+    asked += range.size();
+    if (test.is_graph(small[i], workspace)) clear += range.size();
+  }
+  return clear * kCostShare >= asked;
+}
+
 struct NoWorkspace {};
 
 /// Binormals of contour edges that are not on the border of the whole surface.
@@ -85,7 +108,9 @@ SparedPairs spare_pairs(CullingMethod method, const Bvh& bvh, const SurfacePiece
   SparedPairs spared;
   if (method == CullingMethod::kBvh || bvh.nodes().empty()) return spared;
   if (method == CullingMethod::kAuto) {
-    test.place(pieces, poses);
+    test.take(pieces, poses);
+    if (!is_worth_asking(pieces, test)) return spared;
+    test.measure({0, static_cast<Index>(pieces.triangles().size())});
     clear_from_root<typename GraphTest<kSteps>::Workspace>(
         bvh, pieces, kSmallestPiece, spared,
         [&](Index n, typename GraphTest<kSteps>::Workspace& workspace) { return test.is_graph(n, workspace); });
