@@ -75,8 +75,7 @@ struct ContinuousCollisionFinder::State {
         options(std::move(o)),
         filter(PairFilter::where_needed(m, options.filters)),
         triangles(assign_features(m)) {
-    if (!options.thickness.empty())
-      throw Error("thickness", "continuous queries have none", "leave it empty, or ask a SelfCollisionFinder");
+    check_thickness(mesh, options.thickness);
     rebuild(positions_t0, positions_t1);
   }
 
@@ -85,7 +84,7 @@ struct ContinuousCollisionFinder::State {
     check_position_count(mesh, positions_t1);
     frame_around(positions_t0);
     frame_around(positions_t1);
-    pose.place(mesh, positions_t0, positions_t1, frame_around(positions_t0, positions_t1));
+    pose.place(mesh, positions_t0, positions_t1, options.thickness, frame_around(positions_t0, positions_t1));
   }
 
   void build() {
@@ -93,7 +92,8 @@ struct ContinuousCollisionFinder::State {
     if (is_culling()) pieces = SurfacePieces(mesh, bvh);
   }
 
-  bool is_culling() const { return options.method != CullingMethod::kBvh; }
+  /// Culling knows where nothing meets, not how near it is.
+  bool is_culling() const { return options.method != CullingMethod::kBvh && options.thickness.empty(); }
 
   void cull() {
     if (!is_culling()) return;
@@ -120,6 +120,8 @@ struct ContinuousCollisionFinder::State {
             pose.positions_t0().data(),
             pose.positions_t1().data(),
             pose.rounded().data(),
+            options.thickness.empty() ? nullptr : pose.thickness().data(),
+            options.thickness.empty() ? nullptr : options.thickness.data(),
             filter ? &*filter : nullptr,
             spared.nodes()};
   }

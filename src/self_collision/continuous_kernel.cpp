@@ -46,7 +46,7 @@ class FeatureBatch {
 
   void test_whole_step() {
     const unsigned lanes = near_.fill();
-    const unsigned apart = MovingSets<kFirst, 4 - kFirst>(scene_.rounded, near_.vertices).apart();
+    const unsigned apart = MovingSets<kFirst, 4 - kFirst>(scene_.rounded, near_.vertices, scene_.thickness).apart();
     for (unsigned rest = lanes & ~apart; rest != 0; rest &= rest - 1) {
       const int i = lowest_lane(rest);
       if (close_.add(near_.pairs.first[i], near_.pairs.second[i],
@@ -58,7 +58,7 @@ class FeatureBatch {
 
   void test_parts() {
     const unsigned lanes = close_.fill();
-    const auto verdict = MovingSets<kFirst, 4 - kFirst>(scene_.rounded, close_.vertices).judge(lanes);
+    const auto verdict = MovingSets<kFirst, 4 - kFirst>(scene_.rounded, close_.vertices, scene_.thickness).judge(lanes);
     for (unsigned rest = lanes & ~verdict.apart; rest != 0; rest &= rest - 1) {
       const int i = lowest_lane(rest);
       const bool do_meet = (verdict.meet >> i & 1) != 0;
@@ -127,7 +127,7 @@ class TriangleBatch {
   void test_triangles() {
     const unsigned lanes = pairs_.fill();
     const TriangleFeatures features(scene_, pairs_);
-    const unsigned apart = MovingSets<3, 3>(scene_.rounded, features.vertices).apart();
+    const unsigned apart = MovingSets<3, 3>(scene_.rounded, features.vertices, scene_.thickness).apart();
     for (unsigned rest = lanes & ~apart; rest != 0; rest &= rest - 1) {
       const int i = lowest_lane(rest);
       if (near_.add(pairs_.first[i], pairs_.second[i])) test_features();
@@ -138,7 +138,7 @@ class TriangleBatch {
   void test_features() {
     const unsigned lanes = near_.fill();
     const TriangleFeatures features(scene_, near_);
-    const MovingSets<3, 3> sets(scene_.rounded, features.vertices);
+    const MovingSets<3, 3> sets(scene_.rounded, features.vertices, scene_.thickness);
     unsigned same[3][3];  // corners that are one vertex
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) same[i][j] = equal_lanes(features.vertices[i], features.vertices[3 + j]);
@@ -161,8 +161,8 @@ class TriangleBatch {
       }
       for (int i = 0; i < 3; ++i) {
         for (int side = 0; side < 2; ++side)
-          vertex_face[side][i] &= ~corners[side][i].apart_from(faces[1 - side], sets.error());
-        for (int j = 0; j < 3; ++j) edge_edge[i][j] &= ~edges[0][i].apart_from(edges[1][j], sets.error());
+          vertex_face[side][i] &= ~corners[side][i].apart_from(faces[1 - side], sets.gap());
+        for (int j = 0; j < 3; ++j) edge_edge[i][j] &= ~edges[0][i].apart_from(edges[1][j], sets.gap());
       }
     }
     for (int i = 0; i < 3; ++i) {

@@ -30,8 +30,10 @@ struct ContinuousScene {
   const VertexTuple<2>* edges;
   const Vec3* positions_t0;
   const Vec3* positions_t1;
-  const MovingRow* rounded;  ///< per vertex
-  const PairFilter* filter;  ///< null: keeps all
+  const MovingRow* rounded;        ///< per vertex
+  const float* thickness;          ///< per vertex, in the frame, rounded up; null: none
+  const double* vertex_thickness;  ///< per vertex [m]; null: none
+  const PairFilter* filter;        ///< null: keeps all
   SparedNodes spared = {};
 };
 

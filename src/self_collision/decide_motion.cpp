@@ -2,13 +2,39 @@
 #include "self_collision/moving_points.h"
 #include "self_collision/pair_filter.h"
 
+#include "selvage/geometry/moving_distance.h"
+
+#include <algorithm>
+
 namespace selvage {
+
+namespace {
+
+bool do_meet_or_near(const ContinuousScene& scene, Index vertex, Index face) {
+  const MovingPoints points = moving_points(scene, vertex, face);
+  if (vertex_meets_face(points)) return true;
+  const double* const thickness = scene.vertex_thickness;
+  if (thickness == nullptr) return false;
+  const auto& [a, b, c] = scene.triangles[face].vertices;
+  return vertex_comes_near_face(points, thickness[vertex] + std::max({thickness[a], thickness[b], thickness[c]}));
+}
+
+bool do_edges_meet_or_near(const ContinuousScene& scene, Index first, Index second) {
+  const MovingPoints points = moving_edges(scene, first, second);
+  if (edge_meets_edge(points)) return true;
+  const double* const thickness = scene.vertex_thickness;
+  if (thickness == nullptr) return false;
+  const auto of = [&](const VertexTuple<2>& edge) { return std::max(thickness[edge[0]], thickness[edge[1]]); };
+  return edge_comes_near_edge(points, of(scene.edges[first]) + of(scene.edges[second]));
+}
+
+}  // namespace
 
 void decide_vertex_face(const ContinuousScene& scene, Index vertex, Index face, bool do_meet,
                         ContinuousResult& result) {
   if (scene.filter != nullptr && !scene.filter->keeps_vertex_face(vertex, face)) return;
   result.counters.exact_tests += !do_meet;
-  if (!do_meet && !vertex_meets_face(moving_points(scene, vertex, face))) return;
+  if (!do_meet && !do_meet_or_near(scene, vertex, face)) return;
   result.pairs.vertex_face.push_back({vertex, face});
   if (result.stop != nullptr) result.stop->store(true, std::memory_order_relaxed);
 }
@@ -16,7 +42,7 @@ void decide_vertex_face(const ContinuousScene& scene, Index vertex, Index face, 
 void decide_edge_edge(const ContinuousScene& scene, Index first, Index second, bool do_meet, ContinuousResult& result) {
   if (scene.filter != nullptr && !scene.filter->keeps_edges(first, second)) return;
   result.counters.exact_tests += !do_meet;
-  if (!do_meet && !edge_meets_edge(moving_edges(scene, first, second))) return;
+  if (!do_meet && !do_edges_meet_or_near(scene, first, second)) return;
   result.pairs.edge_edge.push_back({first, second});
   if (result.stop != nullptr) result.stop->store(true, std::memory_order_relaxed);
 }

@@ -100,17 +100,8 @@ struct SelfCollisionFinder::State {
 
   State(const TriangleMesh& m, std::span<const Vec3> positions, SelfCollisionOptions o)
       : mesh(m), options(std::move(o)), filter(PairFilter::where_needed(m, options.filters)) {
-    check_thickness();
+    check_thickness(mesh, options.thickness);
     rebuild(positions);
-  }
-
-  void check_thickness() const {
-    if (!options.thickness.empty() && std::ssize(options.thickness) != mesh.vertex_count())
-      throw Error("thickness", fmt::format("{} entries for {} vertices", options.thickness.size(), mesh.vertex_count()),
-                  "give one per vertex, or none at all");
-    for (std::size_t v = 0; v < options.thickness.size(); ++v)
-      if (!(options.thickness[v] >= 0 && std::isfinite(options.thickness[v])))
-        throw Error(fmt::format("vertex {}", v), "its thickness is no length", "give a number that is not negative");
   }
 
   void place(std::span<const Vec3> positions) {

@@ -66,7 +66,9 @@ class MovingSets {
   static constexpr int kPoints = kFirst + kSecond;
 
   /// @param vertices  for each of the points, the eight vertices
-  SELVAGE_INLINE MovingSets(const MovingRow* rows, const Index (&vertices)[kPoints][8]) {
+  /// @param thickness  per vertex, or null: sets are apart where they are farther apart than the largest of the one and
+  ///                   the largest of the other together
+  SELVAGE_INLINE MovingSets(const MovingRow* rows, const Index (&vertices)[kPoints][8], const float* thickness) {
     for (int i = 0; i < kPoints; ++i) points_[i] = gather_moving(rows, vertices[i]);
     // As the first one sees the others: what all have in common of their places and motions costs no bits.
     const MovingCorner origin = points_[0];
@@ -78,13 +80,14 @@ class MovingSets {
     // Along a direction, two positions of which each is off by a rounding, and a difference, halvings and a dot product
     // of each: in all less than this for each unit of the sum of the direction's coordinates.
     error_ = Float8::broadcast(4.1f * kFrameRounding) + far_ * Float8::broadcast(0x1p-20f);
+    gap_ = thickness == nullptr ? error_ : error_ + distance(thickness, vertices);
   }
 
-  /// What a point reaches along an axis, and what may be wrong with the gap between two such.
+  /// What a point reaches along an axis, and the gap that tells two such apart.
   SELVAGE_INLINE MovingExtent extent(int point, Float8 WideCorner::*axis) const {
     return {points_[point].start.*axis, points_[point].end.*axis};
   }
-  SELVAGE_INLINE Float8 error() const { return error_; }
+  SELVAGE_INLINE Float8 gap() const { return gap_; }
 
   /// Lanes whose sets certainly never meet.
   SELVAGE_INLINE unsigned apart() const { return apart_in_part(points_); }
@@ -107,10 +110,25 @@ class MovingSets {
     return {a.x + b.x, a.y + b.y, a.z + b.z};
   }
 
+  /// The sum of both sets' thickness, rounded up.
+  SELVAGE_INLINE static Float8 distance(const float* thickness, const Index (&vertices)[kPoints][8]) {
+    float sums[8];
+    for (int lane = 0; lane < 8; ++lane) {
+      float first = 0, second = 0;
+      for (int i = 0; i < kPoints; ++i) {
+        float& largest = i < kFirst ? first : second;
+        const float own = thickness[vertices[i][lane]];
+        largest = own > largest ? own : largest;
+      }
+      sums[lane] = (first + second) * 1.000001f;
+    }
+    return Float8::load(sums);
+  }
+
   SELVAGE_INLINE unsigned apart_in_part(const Points& points) const {
     unsigned apart = 0;
     for (Float8 WideCorner::*const axis : {&WideCorner::x, &WideCorner::y, &WideCorner::z})
-      apart |= apart_by([&](const WideCorner& x) { return x.*axis; }, points, error_);
+      apart |= apart_by([&](const WideCorner& x) { return x.*axis; }, points, gap_);
     return apart == 0xff ? apart : apart | apart_in_the_middle(points);
   }
 
@@ -200,7 +218,7 @@ class MovingSets {
   SELVAGE_INLINE unsigned apart_along(const WideCorner& direction, const Points& points) const {
     const Float8 length = magnitude(direction.x) + magnitude(direction.y) + magnitude(direction.z);
     return apart_by([&](const WideCorner& x) { return dot(direction, x); }, points,
-                    error_ * length + Float8::broadcast(1e-30f));
+                    gap_ * length + Float8::broadcast(1e-30f));
   }
 
   template <typename Measure>
@@ -214,7 +232,7 @@ class MovingSets {
   }
 
   Points points_;
-  Float8 far_, error_;
+  Float8 far_, error_, gap_;
 };
 
 }  // namespace SELVAGE_ISA

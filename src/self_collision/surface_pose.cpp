@@ -57,6 +57,15 @@ PoseFrame frame_around(std::span<const Vec3> a, std::span<const Vec3> b) {
   return frame_of(corners);
 }
 
+void check_thickness(const TriangleMesh& mesh, std::span<const double> thickness) {
+  if (!thickness.empty() && std::ssize(thickness) != mesh.vertex_count())
+    throw Error("thickness", fmt::format("{} entries for {} vertices", thickness.size(), mesh.vertex_count()),
+                "give one per vertex, or none at all");
+  for (std::size_t v = 0; v < thickness.size(); ++v)
+    if (!(thickness[v] >= 0 && std::isfinite(thickness[v])))
+      throw Error(fmt::format("vertex {}", v), "its thickness is no length", "give a number that is not negative");
+}
+
 void check_position_count(const TriangleMesh& mesh, std::span<const Vec3> positions) {
   if (std::ssize(positions) != mesh.vertex_count())
     throw Error("positions", fmt::format("{} positions for {} vertices", positions.size(), mesh.vertex_count()),

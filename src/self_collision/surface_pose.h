@@ -36,6 +36,9 @@ PoseFrame frame_around(std::span<const Vec3> positions);
 /// The frame of two sets of positions together, all finite.
 PoseFrame frame_around(std::span<const Vec3> a, std::span<const Vec3> b);
 
+/// @throws Error  when there is neither no thickness nor one per vertex, or one is no length
+void check_thickness(const TriangleMesh& mesh, std::span<const double> thickness);
+
 /// @throws Error  when there is not one position per vertex
 void check_position_count(const TriangleMesh& mesh, std::span<const Vec3> positions);
 

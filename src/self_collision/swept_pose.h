@@ -8,9 +8,10 @@ namespace selvage {
 /// A surface that moves, as the hierarchy and the filters in single precision see it.
 class SweptPose {
  public:
-  /// Takes the positions at both ends of a step into a frame. O(n), parallel.
+  /// Takes the positions at both ends of a step, and the thickness at each vertex (or none), into a frame. O(n),
+  /// parallel.
   void place(const TriangleMesh& mesh, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1,
-             const PoseFrame& frame);
+             std::span<const double> thickness, const PoseFrame& frame);
 
   std::span<const Vec3> positions_t0() const { return positions_t0_; }
   std::span<const Vec3> positions_t1() const { return positions_t1_; }
@@ -18,12 +19,16 @@ class SweptPose {
   /// Per vertex its places in the frame.
   std::span<const MovingRow> rounded() const { return rounded_; }
 
-  /// Per triangle its box over the step, in the frame.
+  /// Per vertex its thickness in the frame, rounded up. Without thickness there is no entry.
+  std::span<const float> thickness() const { return thickness_; }
+
+  /// Per triangle its box over the step, in the frame, with the largest thickness of its vertices around it.
   std::span<const Box> boxes() const { return boxes_; }
 
  private:
   std::vector<Vec3> positions_t0_, positions_t1_;
   std::vector<MovingRow> rounded_;
+  std::vector<float> thickness_;
   std::vector<Box> vertex_boxes_, boxes_;
 };
 

@@ -3,6 +3,7 @@
 #include "self_collision/surfaces.h"
 #include "selvage/core/error.h"
 #include "selvage/geometry/continuous.h"
+#include "selvage/geometry/moving_distance.h"
 #include "selvage/mesh/shapes.h"
 #include "test_scale.h"
 
@@ -38,19 +39,31 @@ MovingPoints moving(const Positions& t0, const Positions& t1, const std::array<I
 }
 
 /// Every vertex with every face, every edge with every edge.
-ContinuousPairs all_pairs(const TriangleMesh& mesh, const Positions& t0, const Positions& t1) {
+ContinuousPairs all_pairs(const TriangleMesh& mesh, const Positions& t0, const Positions& t1,
+                          const std::vector<double>& thickness = {}) {
+  const auto thickest = [&](std::span<const Index> vertices) {
+    double largest = 0;
+    if (!thickness.empty())
+      for (const Index v : vertices) largest = std::max(largest, thickness[v]);
+    return largest;
+  };
   ContinuousPairs pairs;
   for (Index v = 0; v < mesh.vertex_count(); ++v)
     for (Index f = 0; f < mesh.triangle_count(); ++f) {
       const auto& [a, b, c] = mesh.triangles()[f];
       if (mesh.vertex_triangles(v).empty() || contains(mesh.triangles()[f], v)) continue;
-      if (vertex_meets_face(moving(t0, t1, {v, a, b, c}))) pairs.vertex_face.push_back({v, f});
+      const MovingPoints points = moving(t0, t1, {v, a, b, c});
+      if (vertex_meets_face(points) ||
+          vertex_comes_near_face(points, thickest(std::span(&v, 1)) + thickest(mesh.triangles()[f])))
+        pairs.vertex_face.push_back({v, f});
     }
   for (Index e = 0; e < mesh.edge_count(); ++e)
     for (Index f = e + 1; f < mesh.edge_count(); ++f) {
       const auto &a = mesh.edges()[e], &b = mesh.edges()[f];
       if (contains(a, b[0]) || contains(a, b[1])) continue;
-      if (edge_meets_edge(moving(t0, t1, {a[0], a[1], b[0], b[1]}))) pairs.edge_edge.push_back({e, f});
+      const MovingPoints points = moving(t0, t1, {a[0], a[1], b[0], b[1]});
+      if (edge_meets_edge(points) || edge_comes_near_edge(points, thickest(a) + thickest(b)))
+        pairs.edge_edge.push_back({e, f});
     }
   return pairs;
 }
@@ -165,6 +178,30 @@ TEST_P(Continuous, FiltersKeepWhatTheirTrianglesKeep) {
   }
 }
 
+TEST_P(Continuous, ThicknessBringsWhatComesNear) {
+  Random random(8);
+  std::size_t met = 0, near = 0;
+  for (std::int64_t n = 0; n < scaled(6); ++n) {
+    const Surface surface = GetParam().make(random);
+    const TriangleMesh mesh = surface.mesh();
+    const Positions end = step_from(surface, 5 * n + 4, random);
+    SelfCollisionOptions options;
+    for (Index v = 0; v < mesh.vertex_count(); ++v)
+      options.thickness.push_back(random.below(3) == 0 ? 0 : random.within(0, 0.2));
+    const ContinuousPairs expected = all_pairs(mesh, surface.positions, end, options.thickness);
+    const ContinuousCollisionFinder finder(mesh, surface.positions, end, options);
+    ASSERT_EQ(finder.find_pairs(), expected) << n;
+    ASSERT_EQ(finder.has_pairs(), !expected.empty()) << n;
+    near += expected.vertex_face.size() + expected.edge_edge.size();
+    options.thickness.assign(mesh.vertex_count(), 0);
+    const ContinuousPairs thin = ContinuousCollisionFinder(mesh, surface.positions, end, options).find_pairs();
+    ASSERT_EQ(thin, all_pairs(mesh, surface.positions, end)) << n;
+    met += thin.vertex_face.size() + thin.edge_edge.size();
+    ASSERT_EQ(finder.find_free_step(), ContinuousCollisionFinder(mesh, surface.positions, end).find_free_step());
+  }
+  EXPECT_GE(near, met);
+}
+
 /// A triangle in the plane z = 0 and another that falls on it, from 1 above at the start to `depth` below at the end.
 struct Fall {
   Surface start;
@@ -192,6 +229,18 @@ TEST(ContinuousByHand, VertexThatFallsOnAFace) {
   EXPECT_EQ(find(above).find_free_step(), 1);
   EXPECT_TRUE(find(aside).find_pairs().vertex_face.empty());
   EXPECT_TRUE(std::isnan(find(above).find_impact_times(expected)[0]));
+}
+
+TEST(ContinuousByHand, VertexThatComesNearAFace) {
+  const Fall above(-0.25);
+  const TriangleMesh mesh = above.start.mesh();
+  SelfCollisionOptions options;
+  options.thickness = {0, 0, 0.1, 0.2, 0, 0};  // the face has the largest of its vertices
+  const auto find = [&] { return ContinuousCollisionFinder(mesh, above.start.positions, above.end, options); };
+  EXPECT_EQ(find().find_pairs().vertex_face, (std::vector<VertexFacePair>{{3, 0}}));
+  EXPECT_EQ(find().find_free_step(), 1);
+  options.thickness[2] = 0.04;
+  EXPECT_TRUE(find().find_pairs().vertex_face.empty());
 }
 
 TEST(ContinuousByHand, SheetThroughASheetAndBack) {
@@ -252,7 +301,9 @@ TEST(ContinuousOf, BadInputIsRefused) {
   EXPECT_THROW(ContinuousCollisionFinder(mesh, broken, x), Error);
   EXPECT_THROW(ContinuousCollisionFinder(mesh, x, std::span(x).first(8)), Error);
   SelfCollisionOptions thick;
-  thick.thickness.assign(9, 0.1);
+  thick.thickness.assign(8, 0.1);
+  EXPECT_THROW(ContinuousCollisionFinder(mesh, x, x, thick), Error);
+  thick.thickness.assign(9, -0.1);
   EXPECT_THROW(ContinuousCollisionFinder(mesh, x, x, thick), Error);
   const ContinuousCollisionFinder finder(mesh, x, x);
   EXPECT_THROW(finder.find_impact_times(std::vector<VertexFacePair>{{9, 0}}), Error);

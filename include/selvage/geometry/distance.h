@@ -6,6 +6,10 @@
 
 namespace selvage {
 
+/// From a point of the one segment that is closest to the other to the point of that which is closest to it, up to
+/// rounding. A segment may be a point.
+Vec3 closest_difference(const std::array<Vec3, 2>& a, const std::array<Vec3, 2>& b);
+
 /// Squared distance between two segments, up to rounding. A segment may be a point.
 double squared_distance(const std::array<Vec3, 2>& a, const std::array<Vec3, 2>& b);
 

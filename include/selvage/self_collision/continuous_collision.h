@@ -54,7 +54,7 @@ class ContinuousCollisionFinder {
   /// @param mesh          topology; must outlive the finder
   /// @param positions_t0  (n_vertices x 3) at the start of the step [m]
   /// @param positions_t1  (n_vertices x 3) at its end [m]
-  /// @param options       method and filters; there is no thickness, and include_adjacent changes nothing
+  /// @param options       method, filters and thickness; include_adjacent changes nothing
   /// @throws Error        when sizes differ, a position is not finite, or an option does not fit
   ContinuousCollisionFinder(const TriangleMesh& mesh, std::span<const Vec3> positions_t0,
                             std::span<const Vec3> positions_t1, SelfCollisionOptions options = {});
@@ -68,7 +68,8 @@ class ContinuousCollisionFinder {
   /// Takes a new step and builds the hierarchy anew.
   void rebuild(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1);
 
-  /// All pairs that meet at some time of the step, its ends included. Parallel; the same for any number of threads.
+  /// All pairs that meet at some time of the step, its ends included; with a thickness also those that come nearer than
+  /// the sum of theirs. Parallel; the same for any number of threads.
   /// @param counters  null, or where to add what the search did
   ContinuousPairs find_pairs(ContinuousCounters* counters = nullptr) const;
 
@@ -76,7 +77,7 @@ class ContinuousCollisionFinder {
   bool has_pairs(ContinuousCounters* counters = nullptr) const;
 
   /// Times of first contact, one a pair, as fractions of the step: never later than the true one, at most 1e-6 earlier,
-  /// never below 0; NaN where the pair does not meet.
+  /// never below 0; NaN where the pair does not meet, however near it comes.
   /// @throws Error  when a vertex, a face or an edge is out of range
   std::vector<double> find_impact_times(std::span<const VertexFacePair> pairs) const;
   std::vector<double> find_impact_times(std::span<const EdgeEdgePair> pairs) const;

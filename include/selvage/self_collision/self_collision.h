@@ -39,9 +39,10 @@ struct SelfCollisionOptions {
 
   PairFilters filters;
 
-  /// (n_vertices) thickness of the surface at each vertex [m]; empty: none. That of a triangle is its vertices'
-  /// largest. Pairs count that are nearer than the sum of theirs, which is decided up to rounding in the distance. Not
-  /// for pairs that share a vertex, and not for continuous queries.
+  /// (n_vertices) thickness of the surface at each vertex [m]; empty: none. That of a triangle or an edge is its
+  /// vertices' largest. Pairs count that are nearer than the sum of theirs, which is decided up to rounding in the
+  /// distance; during a step those that come nearer at some time, and perhaps some that come within 2^-20 (below 1e-6)
+  /// of the sum beyond it. Not for pairs that share a vertex.
   std::vector<double> thickness;
 };
 
