@@ -42,7 +42,9 @@ struct Body {
 
 /// What stays the same during a run.
 struct Model {
-  TetMesh mesh;                         ///< all bodies in one mesh
+  /// @cond
+  TetMesh mesh;  ///< all bodies in one mesh
+  /// @endcond
   std::vector<Vec3> rest_positions;     ///< (n_vertices) [m]: where no element is stressed
   std::vector<Body> bodies;             ///< in the order of their elements
   std::vector<double> inverse_masses;   ///< (n_vertices) [1/kg]; 0: pinned for ever, or without element
