@@ -72,7 +72,7 @@ class GroupSearch {
   alignas(64) float eye_[3][kWidth];                       ///< points in the frame, to the nearest float
   alignas(64) float lower_[3][kWidth], upper_[3][kWidth];  ///< boxes around them
   alignas(64) float limit_[kWidth];                        ///< what a computed squared distance may be at most
-  alignas(64) float sources_[2][kWidth];                   ///< vertices on which the points lie, as bits
+  alignas(64) float sources_[2][kWidth];                   ///< vertices whose faces prove nothing, as bits
   Pairs nodes_, faces_;
   Waiting waiting_[kWidth];
 
@@ -129,7 +129,8 @@ void GroupSearch<D>::place(int lane) {
     upper_[i][lane] = box.upper[i];
   }
   for (int i = 0; i < D; ++i) eye_[i][lane] = static_cast<float>(query.point[i] - scene_.frame.origin[i]);
-  for (int i = 0; i < 2; ++i) sources_[i][lane] = std::bit_cast<float>(query.source[i]);
+  const bool bars = !searches_[lane].may_cull_towards_source();
+  for (int i = 0; i < 2; ++i) sources_[i][lane] = std::bit_cast<float>(bars ? query.source[i] : kNone);
 }
 
 template <int D>

@@ -43,6 +43,9 @@ class Search {
   double squared_bound() const { return std::min(best_squared_, known_squared_); }
   /// Whether faces may be passed over because a neighbour comes closer: see docs/boundary_path.md.
   bool may_cull() const { return scene_.options.cull_infeasible_regions && reject_above_ < safe_distance_; }
+  /// Whether faces that are no candidates, as p lies on them, may prove that others are none: see
+  /// docs/boundary_path.md.
+  bool may_cull_towards_source() const { return is_at_source_; }
   Answer<D> answer() const { return {best_.face, query_.point + Vec<D>(best_.offset)}; }
   const PathQuery<D>& query() const { return query_; }
   /// Null when nothing is counted.
@@ -87,6 +90,7 @@ class Search {
   PathCounters* counters_;
   CandidateFactory<D> candidates_;
   bool is_inside_ = false, strictly_inside_ = false;
+  bool is_at_source_ = false;  ///< p is where the vertex is that it comes from
   Index component_ = 0;
   ComponentState state_ = ComponentState::kImmersed;
   /// No path up to this long can meet a defect: theorems 1 and 2 hold for it. 0 where they never do.
@@ -122,6 +126,8 @@ bool Search<D>::locate() {
                        ? !strictly_inside_
                        : contains(vertices, query_.source[0]) || contains(vertices, query_.source[1]);
   set_safe_distance(own);
+  is_at_source_ = strictly_inside_ && query_.source[0] != kNone && query_.source[1] == kNone &&
+                  query_.point == scene_.positions[query_.source[0]];
   for (Index& slot : seen_) slot = kNone;
   return true;
 }
@@ -294,9 +300,10 @@ Index Search<D>::closer_neighbour(const Candidate<D>& candidate) const {
     return slope < -2 * bound - kTrustAbove;
   };
   const FaceStar<D>& star = scene_.face_stars[candidate.face];
+  const auto proves_nothing = [&](Index face) { return !may_cull_towards_source() && is_excluded(face); };
   const auto neighbour = [&](int k, Index from) {
     const Index other = scene_.boundary_neighbours[candidate.face][k];
-    return is_excluded(other) || !comes_closer(from, star.apexes[k]) ? kNone : other;
+    return proves_nothing(other) || !comes_closer(from, star.apexes[k]) ? kNone : other;
   };
   if (candidate.target.count == 2) {
     const Index a = candidate.ids[0], b = candidate.ids[1];
@@ -312,7 +319,7 @@ Index Search<D>::closer_neighbour(const Candidate<D>& candidate) const {
     if (closer != kNone) return closer;
   }
   for (Index face : scene_.mesh->vertex_boundary_faces(v)) {
-    if (is_excluded(face)) continue;
+    if (proves_nothing(face)) continue;
     for (Index w : scene_.face_stars[face].vertices)
       if (w != v && comes_closer(v, w)) return face;
   }
@@ -358,7 +365,7 @@ void Search<D>::settle() {
   constexpr int kMostSteps = 16;
   for (int step = 0; step < kMostSteps; ++step) {
     const Index closer = closer_neighbour(best_);
-    if (closer == kNone || is_zero(best_.offset)) return;
+    if (closer == kNone || is_excluded(closer) || is_zero(best_.offset)) return;
     const Candidate<D> candidate = candidates_.make(closer, candidates_.estimate(closer));
     if (candidate.squared_distance > best_squared_ * kBoundSlack) return;
     best_ = candidate;
