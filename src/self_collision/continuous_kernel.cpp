@@ -1,79 +1,12 @@
 #include "self_collision/continuous_kernel.h"
 
-#include "self_collision/eight_pairs.h"
-#include "self_collision/motion_filter.h"
+#include "self_collision/feature_batch.h"
 #include "selvage/bvh/traverse_pairs.h"
 
 namespace selvage {
 inline namespace SELVAGE_ISA {
 
 namespace {
-
-/// Pairs of a vertex and a face (kFirst = 1) or of two edges (kFirst = 2) that boxes do not tell apart, looked at eight
-/// at once: over the whole step, then what is left over its parts; what single precision cannot tell apart is decided
-/// exactly.
-template <int kFirst>
-class FeatureBatch {
- public:
-  using Vertices = std::array<Index, 4>;
-
-  FeatureBatch(const ContinuousScene& scene, ContinuousResult& result) : scene_(scene), result_(result) {}
-
-  SELVAGE_INLINE void add(Index first, Index second, const Vertices& vertices) {
-    if (near_.add(first, second, vertices)) test_whole_step();
-  }
-
-  void flush() {
-    if (near_.pairs.count > 0) test_whole_step();
-    if (close_.pairs.count > 0) test_parts();
-  }
-
- private:
-  struct Eight {
-    EightPairs pairs;
-    Index vertices[4][EightPairs::kSize];
-
-    SELVAGE_INLINE bool add(Index first, Index second, const Vertices& v) {
-      for (int k = 0; k < 4; ++k) vertices[k][pairs.count] = v[k];
-      return pairs.add(first, second);
-    }
-    SELVAGE_INLINE unsigned fill() {
-      for (int i = pairs.count; i < EightPairs::kSize; ++i)
-        for (auto& row : vertices) row[i] = row[0];
-      return pairs.fill();
-    }
-  };
-
-  void test_whole_step() {
-    const unsigned lanes = near_.fill();
-    const unsigned apart = MovingSets<kFirst, 4 - kFirst>(scene_.rounded, near_.vertices, scene_.thickness).apart();
-    for (unsigned rest = lanes & ~apart; rest != 0; rest &= rest - 1) {
-      const int i = lowest_lane(rest);
-      if (close_.add(near_.pairs.first[i], near_.pairs.second[i],
-                     {near_.vertices[0][i], near_.vertices[1][i], near_.vertices[2][i], near_.vertices[3][i]}))
-        test_parts();
-    }
-    near_.pairs.count = 0;
-  }
-
-  void test_parts() {
-    const unsigned lanes = close_.fill();
-    const auto verdict = MovingSets<kFirst, 4 - kFirst>(scene_.rounded, close_.vertices, scene_.thickness).judge(lanes);
-    for (unsigned rest = lanes & ~verdict.apart; rest != 0; rest &= rest - 1) {
-      const int i = lowest_lane(rest);
-      const bool do_meet = (verdict.meet >> i & 1) != 0;
-      if constexpr (kFirst == 1)
-        decide_vertex_face(scene_, close_.pairs.first[i], close_.pairs.second[i], do_meet, result_);
-      else
-        decide_edge_edge(scene_, close_.pairs.first[i], close_.pairs.second[i], do_meet, result_);
-    }
-    close_.pairs.count = 0;
-  }
-
-  const ContinuousScene& scene_;
-  ContinuousResult& result_;
-  Eight near_, close_;
-};
 
 /// Bit `k` of eight bytes.
 SELVAGE_INLINE unsigned gather_bits(std::uint64_t bytes, int k) {
@@ -178,8 +111,9 @@ class TriangleBatch {
       const int lane = lowest_lane(lanes);
       const Index vertex = features.vertices[3 * side + corner][lane];
       ++result_.counters.vertex_face_boxes;
-      vertex_face_.add(vertex, (side == 0 ? near_.second : near_.first)[lane],
-                       {vertex, face[0][lane], face[1][lane], face[2][lane]});
+      vertex_face_.add({vertex,
+                        (side == 0 ? near_.second : near_.first)[lane],
+                        {vertex, face[0][lane], face[1][lane], face[2][lane]}});
     }
   }
 
@@ -190,8 +124,10 @@ class TriangleBatch {
       const int lane = lowest_lane(lanes);
       const Index e = scene_.triangles[near_.first[lane]].edges[i], f = scene_.triangles[near_.second[lane]].edges[j];
       ++result_.counters.edge_edge_boxes;
-      edge_edge_.add(e < f ? e : f, e < f ? f : e,
-                     {v[(i + 1) % 3][lane], v[(i + 2) % 3][lane], v[3 + (j + 1) % 3][lane], v[3 + (j + 2) % 3][lane]});
+      edge_edge_.add(
+          {e < f ? e : f,
+           e < f ? f : e,
+           {v[(i + 1) % 3][lane], v[(i + 2) % 3][lane], v[3 + (j + 1) % 3][lane], v[3 + (j + 2) % 3][lane]}});
     }
   }
 

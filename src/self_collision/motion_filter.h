@@ -77,9 +77,9 @@ class MovingSets {
       point = point - origin;
       far_ = max(far_, max(reach(point.start), reach(point.end)));
     }
-    // Along a direction, two positions of which each is off by a rounding, and a difference, halvings and a dot product
-    // of each: in all less than this for each unit of the sum of the direction's coordinates.
-    error_ = Float8::broadcast(4.1f * kFrameRounding) + far_ * Float8::broadcast(0x1p-20f);
+    // Along a direction, two positions of which each is off by a rounding, and ten more of each while times are
+    // shortened and dot products taken: in all less than this for each unit of the sum of the direction's coordinates.
+    error_ = Float8::broadcast(4.1f * kFrameRounding) + far_ * Float8::broadcast(0x1p-19f);
     gap_ = thickness == nullptr ? error_ : error_ + distance(thickness, vertices);
   }
 
@@ -92,18 +92,18 @@ class MovingSets {
   /// Lanes whose sets certainly never meet.
   SELVAGE_INLINE unsigned apart() const { return apart_in_part(points_); }
 
-  /// What is certain of eight pairs.
-  struct Verdict {
-    unsigned apart;  ///< they never meet
-    unsigned meet;   ///< they meet at some time
-  };
+  /// Lanes whose sets certainly meet, of a vertex and a face or two edges.
+  SELVAGE_INLINE unsigned meet() const { return meet_in_part(points_); }
 
-  /// The same for some lanes, with halves of the step looked at apart, their halves, and so on, as far as it takes. For
-  /// a vertex and a face, and for two edges.
-  SELVAGE_INLINE Verdict judge(unsigned lanes) const { return judge(points_, lanes, kHalvings); }
+  /// Leaves a part of the time: from one fraction of it to another.
+  SELVAGE_INLINE void shorten(Float8 from, Float8 to) {
+    for (MovingCorner& point : points_) {
+      const WideCorner way = point.end - point.start;
+      point = {sum(point.start, times(way, from)), sum(point.start, times(way, to))};
+    }
+  }
 
  private:
-  static constexpr int kHalvings = 4;
   using Points = MovingCorner[kPoints];
   SELVAGE_INLINE static WideCorner times(const WideCorner& a, Float8 s) { return {a.x * s, a.y * s, a.z * s}; }
   SELVAGE_INLINE static WideCorner sum(const WideCorner& a, const WideCorner& b) {
@@ -130,25 +130,6 @@ class MovingSets {
     for (Float8 WideCorner::*const axis : {&WideCorner::x, &WideCorner::y, &WideCorner::z})
       apart |= apart_by([&](const WideCorner& x) { return x.*axis; }, points, gap_);
     return apart == 0xff ? apart : apart | apart_in_the_middle(points);
-  }
-
-  [[gnu::noinline]] Verdict judge(const Points& points, unsigned lanes, int halvings_left) const {
-    Verdict whole{apart_in_part(points), meet_in_part(points)};
-    const unsigned open = lanes & ~(whole.apart | whole.meet);
-    if (open == 0 || halvings_left == 0) return whole;
-    Points first, second;
-    for (int i = 0; i < kPoints; ++i) {
-      const WideCorner middle = times(sum(points[i].start, points[i].end), Float8::broadcast(0.5f));
-      first[i] = {points[i].start, middle};
-      second[i] = {middle, points[i].end};
-    }
-    const Verdict before = judge(first, open, halvings_left - 1);
-    whole.meet |= before.meet;
-    if ((open & ~before.meet) == 0) return whole;
-    const Verdict after = judge(second, open & ~before.meet, halvings_left - 1);
-    whole.meet |= after.meet;
-    whole.apart |= before.apart & after.apart;
-    return whole;
   }
 
   /// Lanes whose sets certainly meet: the four points change their orientation, so that some moment brings them into
