@@ -87,6 +87,25 @@ TEST(Culling, FollowsNewPoses) {
   }
 }
 
+// Where a sample of small pieces shows that little would be cleared, no other piece is asked; else all that can be is.
+TEST(Culling, IsAskedWhereItPays) {
+  Random random(21);
+  Surface flat = surfaces::sheet(160, 160, random), crumpled = flat;
+  for (Vec3& x : crumpled.positions) x += Vec3(random.within(-2, 2), random.within(-2, 2), random.within(-2, 2));
+  SelfCollisionCounters of_flat, of_crumpled, of_bvh;
+  EXPECT_TRUE(pairs_by(CullingMethod::kAuto, flat, false, &of_flat).empty());
+  EXPECT_EQ(of_flat.cleared_triangles, std::ssize(flat.triangles));
+  EXPECT_EQ(pairs_by(CullingMethod::kAuto, crumpled, false, &of_crumpled),
+            pairs_by(CullingMethod::kBvh, crumpled, false, &of_bvh));
+  EXPECT_EQ(of_crumpled.cleared_nodes, 0);
+  EXPECT_EQ(of_crumpled.node_pairs, of_bvh.node_pairs);
+  // A quarter of it crumpled: the rest is still cleared.
+  for (std::size_t v = 0; v < flat.positions.size() / 4; ++v) flat.positions[v] = crumpled.positions[v];
+  SelfCollisionCounters of_both;
+  EXPECT_EQ(pairs_by(CullingMethod::kAuto, flat, false, &of_both), pairs_by(CullingMethod::kBvh, flat));
+  EXPECT_GT(of_both.cleared_triangles, std::ssize(flat.triangles) / 2);
+}
+
 TEST(Culling, IsTheSameForAnyNumberOfThreads) {
   Random random(14);
   for (int n = 0; n < 5; ++n) {
