@@ -99,6 +99,7 @@ void add_measures(CLI::App& app, MakeOptions& options) {
   auto* cell = app.add_option("--cell", m.cell, "Edge length of an element, about [m]");
   app.add_option("--elements", m.elements, "Number of elements, about")->excludes(cell);
   app.add_option("--seed", m.seed, "Octopus, squishy ball: another number, another shape");
+  app.add_option("--slenderness", m.slenderness, "Octopus, squishy ball: from 1, thinner arms and longer tentacles");
 }
 
 }  // namespace

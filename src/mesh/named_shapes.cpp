@@ -16,10 +16,19 @@ struct Measures {
   double length = 0, radius = 0, inner_radius = 0;
   int tentacles = 0;
   unsigned seed = 1;
+  double slenderness = 1;
 };
 
 /// Which of the options a shape has.
-enum Uses : unsigned { kSize = 1, kLength = 2, kRadius = 4, kInnerRadius = 8, kTentacles = 16, kSeed = 32 };
+enum Uses : unsigned {
+  kSize = 1,
+  kLength = 2,
+  kRadius = 4,
+  kInnerRadius = 8,
+  kTentacles = 16,
+  kSeed = 32,
+  kSlenderness = 64
+};
 
 struct NamedShape {
   std::string_view name;
@@ -105,19 +114,21 @@ const std::array<NamedShape, 12> kShapes = {{
      [](const Measures& m, double cell) { return tube_cells(m.radius, m.inner_radius, m.length, cell).elements; },
      [](const Measures& m, double cell) { return make_tube(m.radius, m.inner_radius, m.length, cell); }},
     {"squishy-ball",
-     kRadius | kTentacles | kSeed,
+     kRadius | kTentacles | kSeed | kSlenderness,
      {.radius = 1, .tentacles = 200},
      [](const Measures& m) { return 0.9 * coarsest_cell(squishy_tip_radius(m.radius, m.tentacles)); },
      [](const Measures& m) { return coarsest_cell(squishy_tip_radius(m.radius, m.tentacles)); },
      nullptr,
-     [](const Measures& m, double cell) { return make_squishy_ball(m.radius, m.tentacles, cell, m.seed); }},
+     [](const Measures& m, double cell) {
+       return make_squishy_ball(m.radius, m.tentacles, cell, m.seed, m.slenderness);
+     }},
     {"octopus",
-     kRadius | kSeed,
+     kRadius | kSeed | kSlenderness,
      {.radius = 1},
-     [](const Measures& m) { return 0.9 * coarsest_cell(octopus_tip_radius(m.radius)); },
-     [](const Measures& m) { return coarsest_cell(octopus_tip_radius(m.radius)); },
+     [](const Measures& m) { return 0.9 * coarsest_cell(octopus_tip_radius(m.radius, m.slenderness)); },
+     [](const Measures& m) { return coarsest_cell(octopus_tip_radius(m.radius, m.slenderness)); },
      nullptr,
-     [](const Measures& m, double cell) { return make_octopus(m.radius, cell, m.seed); }},
+     [](const Measures& m, double cell) { return make_octopus(m.radius, cell, m.seed, m.slenderness); }},
     {"cloth",
      kSize,
      {.size = {2, 2, 0}},
@@ -154,6 +165,7 @@ Measures measures_of(const NamedShape& shape, const ShapeOptions& options) {
   take(shape, kInnerRadius, "inner radius", options.inner_radius, m.inner_radius);
   take(shape, kTentacles, "tentacles", options.tentacles, m.tentacles);
   take(shape, kSeed, "seed", options.seed, m.seed);
+  take(shape, kSlenderness, "slenderness", options.slenderness, m.slenderness);
   if (shape.uses & kSize) {
     for (int axis = 0; axis < (shape.name == "cloth" ? 2 : 3); ++axis) check_positive("size", m.size[axis]);
   }
@@ -162,6 +174,9 @@ Measures measures_of(const NamedShape& shape, const ShapeOptions& options) {
   if (shape.uses & kInnerRadius) check_positive("inner radius", m.inner_radius);
   if ((shape.uses & kTentacles) && m.tentacles < 1) {
     throw Error("tentacles", fmt::format("{} is out of range", m.tentacles), "use a number from 1 to 100000");
+  }
+  if (!(m.slenderness >= 1)) {
+    throw Error("slenderness", fmt::format("{} is out of range", m.slenderness), "use 1 or more");
   }
   return m;
 }

@@ -59,8 +59,24 @@ struct OctopusArm {
     const double up = -0.06 - droop * std::sin(pi * std::min(1.0, 1.15 * u)) + 0.16 * u * u * u;
     return {out * std::cos(side), out * std::sin(side), up};
   }
-  static double radius(double u) { return 0.115 - 0.06 * u; }
 };
+
+/// Radii of an octopus of size 1. The tips are thinned less than the rest, for the thinnest place asks for the cell.
+struct OctopusRadii {
+  explicit OctopusRadii(double slenderness)
+      : crown(0.28 / slenderness),
+        neck(0.2 / slenderness),
+        tip(0.055 / std::sqrt(slenderness)),
+        root(std::max(0.115 / slenderness, tip)) {}
+  double crown, neck, tip, root;
+
+  double arm(double u) const { return root - (root - tip) * u; }
+};
+
+void check_slenderness(double slenderness, double most) {
+  if (slenderness >= 1 && slenderness <= most) return;
+  throw Error("slenderness", fmt::format("{} is out of range", slenderness), fmt::format("use 1 to {}", most));
+}
 
 }  // namespace
 
@@ -70,8 +86,8 @@ double squishy_tip_radius(double radius, int tentacles) {
   return 0.22 * spacing;
 }
 
-double octopus_tip_radius(double size) {
-  return size * OctopusArm::radius(1);
+double octopus_tip_radius(double size, double slenderness) {
+  return size * OctopusRadii(slenderness).tip;
 }
 
 MeshFile make_ball(double radius, double cell) {
@@ -83,9 +99,10 @@ MeshFile make_ball(double radius, double cell) {
   return stuff_isosurface(ball, cell);
 }
 
-MeshFile make_squishy_ball(double radius, int tentacles, double cell, unsigned seed) {
+MeshFile make_squishy_ball(double radius, int tentacles, double cell, unsigned seed, double slenderness) {
   check_positive("radius", radius);
   check_positive("cell", cell);
+  check_slenderness(slenderness, 10);
   if (tentacles < 1 || tentacles > 100000) {
     throw Error("tentacles", fmt::format("{} is out of range", tentacles), "use a number from 1 to 100000");
   }
@@ -96,19 +113,22 @@ MeshFile make_squishy_ball(double radius, int tentacles, double cell, unsigned s
   solid.body_count = 1;
   solid.blend = 0.5 * root;
   for (const Vec3& direction : spread_directions(tentacles, seed)) {
-    solid.parts.push_back({0.9 * radius * direction, (2 * radius - tip) * direction, root, tip});
+    solid.parts.push_back({0.9 * radius * direction, ((1 + slenderness) * radius - tip) * direction, root, tip});
   }
   return stuff_isosurface(solid, cell);
 }
 
-MeshFile make_octopus(double size, double cell, unsigned seed) {
+MeshFile make_octopus(double size, double cell, unsigned seed, double slenderness) {
   check_positive("size", size);
   check_positive("cell", cell);
-  check_resolves(cell, octopus_tip_radius(size));
+  check_slenderness(slenderness, 4);
+  check_resolves(cell, octopus_tip_radius(size, slenderness));
+  const OctopusRadii radii(slenderness);
+  const Vec3 crown = size * Vec3(0, -0.06, 0.02 + 0.4 / slenderness);
   ImplicitSolid solid;
-  solid.parts.push_back({size * Vec3(0, 0, 0.02), size * Vec3(0, -0.06, 0.42), 0.2 * size, 0.28 * size});
+  solid.parts.push_back({size * Vec3(0, 0, 0.02), crown, radii.neck * size, radii.crown * size});
   solid.body_count = 1;
-  solid.blend = 0.1 * size;
+  solid.blend = 0.1 * size / slenderness;
   UnitRandom random(seed);
   constexpr int kArms = 8, kJoints = 24;
   for (int arm = 0; arm < kArms; ++arm) {
@@ -118,8 +138,8 @@ MeshFile make_octopus(double size, double cell, unsigned seed) {
     line.phase = 2 * pi * random.next();
     for (int joint = 0; joint < kJoints; ++joint) {
       const double u = joint / double{kJoints}, next = (joint + 1) / double{kJoints};
-      solid.parts.push_back({size * line.point(u), size * line.point(next), size * OctopusArm::radius(u),
-                             size * OctopusArm::radius(next)});
+      solid.parts.push_back(
+          {size * line.point(u), size * line.point(next), size * radii.arm(u), size * radii.arm(next)});
     }
   }
   return stuff_isosurface(solid, cell);

@@ -6,7 +6,7 @@ namespace selvage {
 double squishy_tip_radius(double radius, int tentacles);
 
 /// Radius of the tips of an octopus's arms, the thinnest place.
-double octopus_tip_radius(double size);
+double octopus_tip_radius(double size, double slenderness = 1);
 
 /// The coarsest cell that follows an arm: every ball in it holds a lattice vertex, with room for vertices that move.
 inline double coarsest_cell(double thinnest_radius) {

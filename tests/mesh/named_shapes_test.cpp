@@ -79,6 +79,31 @@ TEST(NamedShapesRefuse, WhatTheyDoNotHave) {
   EXPECT_NE(refusal([] { make_shape("squishy-ball", {.tentacles = 0}); }).find("tentacles"), std::string::npos);
 }
 
+TEST(NamedShapes, SlendernessThinsTheArms) {
+  for (const char* name : {"octopus", "squishy-ball"}) {
+    ShapeOptions options{.slenderness = 2};
+    if (std::string_view(name) == "squishy-ball") options.tentacles = 20;
+    const MeshFile slender = make_shape(name, options);
+    options.slenderness = 1;
+    const MeshFile stout = make_shape(name, options);
+    options.slenderness.reset();
+    EXPECT_EQ(make_shape(name, options).positions, stout.positions) << name;
+    EXPECT_EQ(test::count_not_positive(slender), 0) << name;
+    EXPECT_EQ(test::count_components(slender), 1) << name;
+    EXPECT_EQ(test::count_buried_vertices(slender), 0) << name;
+    // Thin arms have few inner vertices: fewer elements for each vertex.
+    const auto ratio = [](const MeshFile& mesh) {
+      return static_cast<double>(mesh.tetrahedra.size()) / static_cast<double>(mesh.positions.size());
+    };
+    EXPECT_LT(ratio(slender), 0.95 * ratio(stout)) << name;
+    options.slenderness = 0.5;
+    EXPECT_NE(refusal([&] { make_shape(name, options); }).find("slenderness"), std::string::npos);
+    options.slenderness = 11;
+    EXPECT_NE(refusal([&] { make_shape(name, options); }).find("slenderness"), std::string::npos);
+  }
+  EXPECT_NE(refusal([] { make_shape("ball", {.slenderness = 2}); }).find("no slenderness"), std::string::npos);
+}
+
 TEST(NamedShapes, SphereIsABall) {
   EXPECT_EQ(make_shape("sphere").positions, make_shape("ball").positions);
 }

@@ -34,15 +34,15 @@ enum class RodCurve { kStraight, kTrefoil, kNestedKnot, kCoil };
 /// @throws Error  also when the radius is so large that the rod would touch itself
 MeshFile make_rod(RodCurve curve, double length, double radius, double cell);
 
-/// Ball with `tentacles` thin arms, as long as its radius, standing out of it, by isosurface stuffing; `seed` jitters
-/// their directions. The more tentacles, the thinner they are.
-/// @throws Error  also when the cell is too coarse for a tentacle
-MeshFile make_squishy_ball(double radius, int tentacles, double cell, unsigned seed);
+/// Ball with `tentacles` thin arms standing out of it, by isosurface stuffing; `seed` jitters their directions. The
+/// more tentacles, the thinner they are; `slenderness` is their length in radii of the ball.
+/// @throws Error  also when the cell is too coarse for a tentacle, and for a slenderness below 1
+MeshFile make_squishy_ball(double radius, int tentacles, double cell, unsigned seed, double slenderness = 1);
 
 /// A head with eight bent arms that reach about `size` from its centre, by isosurface stuffing; `seed` varies how the
-/// arms bend.
-/// @throws Error  also when the cell is too coarse for an arm
-MeshFile make_octopus(double size, double cell, unsigned seed);
+/// arms bend. Head and roots of the arms are thinner by the factor `slenderness`, the tips by its square root.
+/// @throws Error  also when the cell is too coarse for an arm, and for a slenderness outside [1, 4]
+MeshFile make_octopus(double size, double cell, unsigned seed, double slenderness = 1);
 
 /// Rectangular cloth [0, width] x [0, height] in the xy plane, a triangle surface.
 MeshFile make_cloth(double width, double height, double cell);
@@ -60,6 +60,7 @@ struct ShapeOptions {
   std::optional<double> inner_radius = {};    ///< tube (inner), torus (minor) [m]
   std::optional<int> tentacles = {};          ///< squishy-ball
   std::optional<unsigned> seed = {};          ///< squishy-ball, octopus
+  std::optional<double> slenderness = {};     ///< squishy-ball, octopus: thinner arms
 };
 
 /// Names that make_shape knows: box, beam, rod, trefoil, nested-knot, noodle, ball, torus, tube, squishy-ball, octopus,
