@@ -22,15 +22,21 @@ double Stopwatch::total() const {
 ProgressBar::ProgressBar(std::string_view task, bool quiet) : task_(task), visible_(!quiet && isatty(STDERR_FILENO)) {}
 
 ProgressBar::~ProgressBar() {
-  if (drawn_) fmt::print(stderr, "\r\033[K");
+  clear();
 }
 
-void ProgressBar::show(double fraction) {
+void ProgressBar::clear() {
+  if (drawn_) fmt::print(stderr, "\r\033[K");
+  drawn_ = false;
+}
+
+void ProgressBar::show(double fraction, std::string_view note) {
   constexpr int kWidth = 30;
   const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   if (!visible_ || elapsed < 0.5) return;
   const int filled = static_cast<int>(std::clamp(fraction, 0.0, 1.0) * kWidth);
   fmt::print(stderr, "\r{} [{:=<{}}{:{}}] {:3.0f}%", task_, "", filled, "", kWidth - filled, 100 * fraction);
+  if (!note.empty()) fmt::print(stderr, "  {}\033[K", note);
   std::fflush(stderr);
   drawn_ = true;
 }
@@ -50,6 +56,13 @@ std::string readable_seconds(double seconds) {
   if (seconds >= 1) return fmt::format("{:.2f} s", seconds);
   if (seconds >= 1e-3) return fmt::format("{:.1f} ms", 1e3 * seconds);
   return fmt::format("{:.1f} us", 1e6 * seconds);
+}
+
+std::string readable_duration(double seconds) {
+  const auto whole = static_cast<std::int64_t>(seconds + 0.5);
+  if (whole >= 3600) return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
+  if (whole >= 60) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
+  return readable_seconds(seconds);
 }
 
 void Table::add(std::string_view name, std::string_view value) {

@@ -33,7 +33,10 @@ class ProgressBar {
 
   /// Whether anybody can see it.
   bool visible() const { return visible_; }
-  void show(double fraction);
+  /// @param note  stands behind the bar
+  void show(double fraction, std::string_view note = {});
+  /// Takes the bar off the screen.
+  void clear();
 
  private:
   std::string task_;
@@ -46,6 +49,9 @@ std::string grouped(std::int64_t count);
 
 /// A time in the unit that reads best: 1.23 s, 45.6 ms.
 std::string readable_seconds(double seconds);
+
+/// A time in hours, minutes and seconds, as far as they matter: 2 h 05 min, 3 min 20 s, 1.2 s.
+std::string readable_duration(double seconds);
 
 /// Lines of a name and a value, the values one below the other.
 class Table {

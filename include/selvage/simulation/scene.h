@@ -1,0 +1,38 @@
+#pragma once
+
+#include "selvage/simulation/xpbd.h"
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace selvage {
+
+/// A scene ready to run: what its file says, with all meshes read or made.
+struct Scene {
+  std::string name;   ///< of the file, without folder and extension
+  std::string scale;  ///< empty: as the file stands
+  Model model;
+  State initial_state;
+  std::vector<Handle> handles;
+  std::vector<Collider> colliders;
+  XpbdOptions options;
+  int frames = 60;             ///< to run, if nothing else is asked for
+  int frames_per_second = 60;  ///< each of `substeps` steps
+  int substeps = 5;
+  std::int64_t contact_from_frame = 0;  ///< until then bodies pass through themselves and one another
+  /// Of all that decides a run: two scenes with the same fingerprint run alike.
+  std::uint64_t fingerprint = 0;
+};
+
+/// Reads a scene file (docs/simulation.md) and the meshes that it names, relative to its folder.
+///
+/// @param path   of the file
+/// @param scale  name of a scale that the scene has; empty: as the file stands
+/// @throws Error  one line: file, path within (as in bodies[2].material.poisson_ratio), what is wrong, what is allowed
+Scene read_scene(const std::filesystem::path& path, std::string_view scale = {});
+
+/// The same for a text that is not in a file; `path` stands for it in errors and where meshes are looked for.
+Scene parse_scene(std::string_view text, const std::filesystem::path& path, std::string_view scale = {});
+
+}  // namespace selvage

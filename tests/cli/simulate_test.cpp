@@ -1,0 +1,120 @@
+#include "cli/program.h"
+
+#include <spawn.h>
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <csignal>
+#include <map>
+#include <random>
+#include <thread>
+
+namespace selvage::testing {
+namespace {
+
+using Simulate = ProgramTest;
+
+const char* const kScene = R"({"selvage_scene": 1, "frames": 20, "substeps": 4,
+  "bodies": [{"mesh": {"shape": "box", "size": [1, 1, 1], "cell": 0.25}, "material": {"youngs_modulus": 2e4},
+              "translate": [0, 0, 0.05], "instances": {"list": [{}, {"translate": [0.3, 0.2, 1.05]}]},
+              "velocity": [0, 0, -2]}],
+  "colliders": [{"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}]})";
+
+TEST_F(Simulate, WritesTheRunAndSaysWhatItDid) {
+  write_text(file("blocks.json"), kScene);
+  const Outcome outcome = run_well("simulate blocks.json -o run --frames 3 --vtu --surface obj");
+  for (const char* word :
+       {"blocks", "2 bodies", "frames", "12 of 0.00417 s", "penetrating vertices", "frames a minute"})
+    EXPECT_NE(outcome.out.find(word), std::string::npos) << outcome.out << "without " << word;
+  for (const char* name : {"run/frames/frame_000003.bin", "run/vtu/frame_000003.vtu", "run/surface/frame_000003.obj",
+                           "run/statistics.csv", "run/summary.json", "run/frames.pvd"})
+    EXPECT_TRUE(fs::exists(file(name))) << name;
+  EXPECT_EQ(run_well("simulate blocks.json -o run --frames 4 --resume --quiet").out, "");
+  const auto json = nlohmann::json::parse(run_well("simulate blocks.json -o run --resume --frames 5 --json -").out);
+  EXPECT_EQ(json["schema"], 1);
+  EXPECT_EQ(json["frames"], 5);
+  EXPECT_EQ(json["vertices"], 250);
+  EXPECT_EQ(lines_of(read_text(file("run/statistics.csv"))).size(), 7u);
+}
+
+TEST_F(Simulate, RefusesWithOneLine) {
+  write_text(file("blocks.json"), kScene);
+  write_text(file("wrong.json"), R"({"selvage_scene": 1, "bodies": [{"mesh": {"shape": "bux"}}]})");
+  expect_refused("simulate wrong.json -o run", 2, {"wrong.json: bodies[0].mesh.shape", "box"});
+  expect_refused("simulate none.json -o run", 2, {"none.json"});
+  expect_refused("simulate blocks.json", 2, {"--output"});
+  expect_refused("simulate blocks.json -o run --scale paper", 2, {"no scale 'paper'"});
+  expect_refused("simulate blocks.json -o run --surface stl", 2, {"--surface"});
+  expect_refused("simulate blocks.json -o blocks.json", 3, {"blocks.json"});
+  run_well("simulate blocks.json -o run --frames 1 -q");
+  expect_refused("simulate blocks.json -o run", 2, {"holds a run already", "--resume"});
+  EXPECT_EQ(run("simulate --help").status, 0);
+}
+
+TEST_F(Simulate, FailsWhereTheSceneExplodes) {
+  write_text(file("far.json"), R"({"selvage_scene": 1, "frames": 9, "frames_per_second": 1, "substeps": 1,
+    "gravity": [0, 0, -1.7e308],
+    "bodies": [{"mesh": {"shape": "box", "size": [1, 1, 1], "cell": 1}, "velocity": [0, 0, -1.7e308]}]})");
+  expect_refused("simulate far.json -o run -q", 3, {"far.json: frame ", "vertex "});
+  EXPECT_TRUE(fs::exists(file("run/summary.json")));
+}
+
+/// All files of a run, without what it cost.
+std::map<std::string, std::string> files_of(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    const std::string name = fs::relative(entry.path(), folder).string();
+    if (!entry.is_regular_file() || name == "summary.json") continue;
+    std::string text = read_text(entry.path());
+    if (name == "statistics.csv") {
+      const std::vector<std::string> lines = lines_of(text);
+      text.clear();
+      for (const std::string& line : lines) {
+        const std::vector<std::string> cells = split(line, ',');
+        for (std::size_t i = 0; i + 10 < cells.size(); ++i) text += cells[i] + ",";
+        text += "\n";
+      }
+    }
+    files[name] = text;
+  }
+  return files;
+}
+
+/// Runs the program and ends it by SIGKILL after some time; false if it was done before.
+bool run_and_kill(const std::string& scene, const std::string& folder, std::chrono::microseconds time) {
+  std::vector<std::string> words{SELVAGE_PROGRAM, "simulate", scene, "-o", folder, "--resume", "--vtu", "--quiet"};
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  pid_t child = 0;
+  if (posix_spawn(&child, SELVAGE_PROGRAM, nullptr, nullptr, pointers.data(), environ) != 0) return false;
+  std::this_thread::sleep_for(time);
+  kill(child, SIGKILL);
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFSIGNALED(status);
+}
+
+TEST_F(Simulate, KilledAtAnyMomentItEndsAsIfItHadNeverStopped) {
+  write_text(file("blocks.json"), kScene);
+  const auto start = std::chrono::steady_clock::now();
+  run_well("simulate blocks.json -o whole --vtu -q");
+  const auto whole_time =
+      std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start);
+  const auto expected = files_of(file("whole"));
+  ASSERT_EQ(expected.count("frames/frame_000020.bin"), 1u);
+
+  std::mt19937 engine(4);
+  std::uniform_int_distribution<std::int64_t> moment(0, whole_time.count() / 3);
+  int kills = 0;
+  for (int round = 0; kills < 20; ++round) {
+    ASSERT_LT(round, 20);
+    const std::string name = "killed" + std::to_string(round);
+    while (run_and_kill(file("blocks.json"), file(name), std::chrono::microseconds(moment(engine)))) ++kills;
+    run_well("simulate blocks.json -o " + name + " --resume --vtu -q");
+    EXPECT_TRUE(files_of(file(name)) == expected) << "after " << kills << " kills";
+  }
+}
+
+}  // namespace
+}  // namespace selvage::testing

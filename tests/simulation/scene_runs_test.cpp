@@ -1,0 +1,109 @@
+// The scenes at a small size, for as many frames as it takes until what they show has happened.
+#include "mesh/whole_file.h"
+#include "selvage/boundary_path/boundary_path.h"
+#include "selvage/simulation/run.h"
+#include "simulation/json_value.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+namespace selvage {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A place in a scene and what stands there instead, as JSON.
+using Changes = std::vector<std::pair<const char*, const char*>>;
+
+Scene load(const std::string& name, const Changes& changes = {}) {
+  const fs::path path = fs::path(SELVAGE_SCENES) / (name + ".json");
+  Json json = parse_json(read_whole_file(path), path.string());
+  for (const auto& [place, value] : changes) json[Json::json_pointer(place)] = Json::parse(value);
+  return parse_scene(json.dump(), path);
+}
+
+/// A run of a scene that stays in memory.
+class Play {
+ public:
+  explicit Play(Scene scene) : scene_(std::move(scene)), state_(scene_.initial_state) {}
+
+  void step(int count) {
+    for (int i = 0; i < count; ++i) {
+      const std::int64_t frame = state_.steps / scene_.substeps + 1;
+      const bool contact = frame > scene_.contact_from_frame;
+      if (!solver_ || contact != with_contact_) {
+        XpbdOptions options = scene_.options;
+        if (!contact) options.contact.mode = DetectionMode::kOff;
+        solver_.emplace(scene_.model, scene_.initial_state, scene_.handles, scene_.colliders, options);
+        with_contact_ = contact;
+      }
+      solver_->step(state_);
+    }
+  }
+  void run_frames(int count) { step(count * scene_.substeps); }
+
+  const Scene& scene() const { return scene_; }
+  const State& state() const { return state_; }
+  BoundaryPathFinder<3> finder() const { return {scene_.model.mesh, state_.positions}; }
+
+  Vec3 middle_of(std::size_t body) const {
+    const Body& b = scene_.model.bodies[body];
+    Vec3 sum = Vec3::Zero();
+    for (Index v = b.first_vertex; v < b.first_vertex + b.vertex_count; ++v) sum += state_.positions[v];
+    return sum / b.vertex_count;
+  }
+
+ private:
+  Scene scene_;
+  State state_;
+  std::optional<XpbdSolver> solver_;
+  bool with_contact_ = false;
+};
+
+struct Tangle {
+  std::int64_t vertices = 0, inverted = 0;
+  double deepest = 0;
+};
+
+Tangle tangle_of(const Play& play) {
+  const auto finder = play.finder();
+  Tangle tangle;
+  tangle.inverted = finder.defects().inverted_elements;
+  const auto queries = finder.find_penetrating_vertices();
+  std::set<Index> vertices;
+  for (const auto& query : queries) vertices.insert(query.source[0]);
+  for (const auto& path : finder.find_paths(queries))
+    if (path.status == PathStatus::kFound) tangle.deepest = std::max(tangle.deepest, path.distance);
+  tangle.vertices = std::ssize(vertices);
+  return tangle;
+}
+
+TEST(SceneRuns, ACubeSlidesDownByExactPathsAndIsPulledUpByThoseOfTheRestPose) {
+  Play exact(load("sliding_cube")), by_rest(load("sliding_cube", {{"/contact/rule", "\"rest-pose\""}}));
+  for (Play* play : {&exact, &by_rest}) play->run_frames(18);
+  const double landed_exact = exact.middle_of(1)[2], landed_by_rest = by_rest.middle_of(1)[2];
+  for (Play* play : {&exact, &by_rest}) play->run_frames(7);
+  EXPECT_LT(exact.middle_of(1)[2], landed_exact - 0.1);
+  EXPECT_GT(by_rest.middle_of(1)[2], landed_by_rest + 0.1);
+  const Tangle end = tangle_of(exact);
+  EXPECT_EQ(end.inverted, 0);
+  EXPECT_LT(end.deepest, 1e-3);
+}
+
+/// One loop of the noodle.
+TEST(SceneRuns, ATangledNoodleIsFreeWithinTenSteps) {
+  Play play(load("tangled_noodle", {{"/bodies/0/mesh/length", "3"}, {"/bodies/0/poses/1/crossings", "1"}}));
+  EXPECT_GT(tangle_of(play).vertices, 20);
+  EXPECT_GT(tangle_of(play).deepest, 0.05);
+  play.step(10);
+  EXPECT_EQ(tangle_of(play).vertices, 0);
+  play.step(30);
+  const Tangle end = tangle_of(play);
+  EXPECT_EQ(end.vertices, 0);
+  EXPECT_EQ(end.inverted, 0);
+}
+
+}  // namespace
+}  // namespace selvage
