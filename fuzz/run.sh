@@ -6,7 +6,7 @@ set -e
 cd "$(dirname "$0")/.."
 seconds=${1:-60}
 [ $# -gt 0 ] && shift
-formats=${*:-obj ply stl off t tetgen mesh msh vtk vtu}
+formats=${*:-obj ply stl off t tetgen mesh msh vtk vtu scene}
 cmake --preset fuzz
 targets=
 for format in $formats; do targets="$targets fuzz_read_$format"; done
