@@ -9,7 +9,7 @@ mkdir -p "$results"
   sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1
   nproc
 } >"$results/machine.txt"
-for name in boundary-path self-collision; do
+for name in boundary-path self-collision simulation; do
   "$build/selvage_bench" $name --json "$results/$name.json" | tee "$results/$name.txt"
 done
 "$build/benchmarks/selvage_microbench" --benchmark_out="$results/micro.json" | tee "$results/micro.txt"

@@ -1,5 +1,6 @@
 #include "peer/boundary_path.h"
 #include "peer/self_collision.h"
+#include "peer/simulation.h"
 #include "peer/tangled_meshes.h"
 #include "selvage/core/error.h"
 #include "selvage/core/isa.h"
@@ -8,6 +9,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <tbb/global_control.h>
 #include <CLI/CLI.hpp>
 
 #include <cstdio>
@@ -101,6 +103,14 @@ void bench_self_collision(const Arguments& arguments, const CollisionArguments& 
   if (!arguments.json.empty()) report.write_json(arguments.json);
 }
 
+void bench_simulation(const Arguments& arguments, SimulationPlan plan) {
+  if (arguments.quick) {
+    plan.frames = 2;
+    plan.scenes = {"sliding_cube", "tangled_noodle", "octopi_8_hybrid"};
+  }
+  measure_simulation(plan, arguments.table(), arguments.json);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -130,15 +140,30 @@ int main(int argc, char** argv) try {
   collisions->add_flag("--no-peers", collision.without_peers, "The library alone");
   collisions->add_flag("--no-steps", collision.without_steps, "Discrete queries alone");
   collisions->add_flag("--no-growth", collision.without_growth, "Without the time against size");
-  for (CLI::App* sub : {paths, collisions}) {
+  SimulationPlan simulation;
+  simulation.folder = SELVAGE_SCENES;
+  CLI::App* scenes = app.add_subcommand("simulation", "Scenes, with the columns of SPB table 1");
+  scenes->footer("Example: selvage_bench simulation --scene octopi_8_hybrid --frames 30 --no-culling");
+  scenes->add_option("--scenes", simulation.folder, "Folder of the scenes")->capture_default_str();
+  scenes->add_option("--scene", simulation.scenes, "Only these");
+  scenes->add_option("--scale", simulation.scale, "A scale of theirs, as paper");
+  scenes->add_option("--frames", simulation.frames, "Frames of each; without, as many as it has")
+      ->check(CLI::PositiveNumber);
+  scenes->add_flag("--no-culling", simulation.without_culling, "Also without infeasible-region culling");
+  for (CLI::App* sub : {paths, collisions, scenes}) {
     sub->add_option("--threads", arguments.threads, "All threads; 1: nothing but one")->check(CLI::PositiveNumber);
     sub->add_option("--json", arguments.json, "Machine-readable result; - is standard output");
     sub->add_flag("--quick", arguments.quick, "The smallest meshes, little work, few rounds");
   }
   CLI11_PARSE(app, argc, argv);
-  if (*list) fmt::print("boundary-path\nself-collision\n");
+  if (*list) fmt::print("boundary-path\nself-collision\nsimulation\n");
   if (*paths) bench_boundary_path(arguments);
   if (*collisions) bench_self_collision(arguments, collision);
+  if (*scenes) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism,
+                                      static_cast<std::size_t>(arguments.threads));
+    bench_simulation(arguments, simulation);
+  }
   return 0;
 } catch (const std::exception& error) {
   fmt::print(stderr, "selvage_bench: {}\n", error.what());

@@ -28,7 +28,7 @@ struct BenchOptions {
   bool quick = false;
 };
 
-constexpr std::array kAll{"boundary-path", "self-collision"};
+constexpr std::array kAll{"boundary-path", "self-collision", "simulation"};
 
 /// The program with the measurements, beside this one or where a build tree has it.
 std::optional<fs::path> find_bench_program() {

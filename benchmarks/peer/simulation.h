@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace selvage::bench {
+
+/// What to run of the scenes, and how.
+struct SimulationPlan {
+  std::filesystem::path folder;     ///< of the scene files
+  std::vector<std::string> scenes;  ///< names; empty: all
+  std::string scale;                ///< empty: as the files stand
+  std::int64_t frames = 0;          ///< of each; 0: as many as it has
+  bool without_culling = false;     ///< also without infeasible-region culling (SPB figure 21)
+};
+
+/// Runs scenes and prints the columns of SPB table 1 for each.
+/// @param json  file of the summaries, "-": standard output; empty: none
+void measure_simulation(const SimulationPlan& plan, std::FILE* table, const std::string& json);
+
+}  // namespace selvage::bench
