@@ -26,6 +26,21 @@ if(SELVAGE_SANITIZE)
   endif()
 endif()
 
+# What most files include, read once instead of two seconds a file. Every file still includes what it uses:
+# -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON builds without.
+set(SELVAGE_COMMON_HEADERS <Eigen/Core> <Eigen/Geometry> <tbb/blocked_range.h> <tbb/parallel_for.h>
+    <tbb/parallel_invoke.h> <tbb/parallel_reduce.h> <tbb/parallel_sort.h> <fmt/format.h> <algorithm> <array> <atomic>
+    <cmath> <cstdint> <functional> <future> <memory> <mutex> <optional> <span> <string> <string_view> <vector>)
+
+# selvage_precompile(TARGET OWNER [HEADER...]): TARGET takes OWNER's precompiled headers; OWNER itself makes them.
+function(selvage_precompile target owner)
+  if(target STREQUAL owner)
+    target_precompile_headers(${target} PRIVATE ${SELVAGE_COMMON_HEADERS} ${ARGN})
+  else()
+    target_precompile_headers(${target} REUSE_FROM ${owner})
+  endif()
+endfunction()
+
 # selvage_floor(NAME [LOWER...]): the floor in the current folder, made of every .cpp in it (kernels excepted).
 function(selvage_floor name)
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
@@ -34,11 +49,12 @@ function(selvage_floor name)
   set_target_properties(selvage_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   target_include_directories(selvage_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
                              PRIVATE ${PROJECT_SOURCE_DIR}/src)
-  target_link_libraries(selvage_${name} PRIVATE $<BUILD_INTERFACE:selvage_settings>)
+  target_link_libraries(selvage_${name} PRIVATE $<BUILD_INTERFACE:selvage_settings> fmt::fmt)
   target_link_libraries(selvage_${name} PUBLIC Eigen3::Eigen TBB::tbb)
   foreach(lower IN LISTS ARGN)
     target_link_libraries(selvage_${name} PUBLIC selvage_${lower})
   endforeach()
+  selvage_precompile(selvage_${name} selvage_core)
 endfunction()
 
 # selvage_isa_objects(PREFIX SOURCE): object libraries PREFIX_<isa> of SOURCE, one per instruction set, each in its own

@@ -101,7 +101,7 @@ void add_magnitudes(std::vector<Family<3>>& list) {
 
 void add_inverted(std::vector<Family<3>>& list) {
   list.push_back({"inverted_inside", with_vertex(grid(4, 4, 4), {2, 2, 2}, {3.3, 2.4, 2.2})});
-  list.push_back({"inverted_inside_exact", with_vertex(grid(4, 4, 4), {2, 2, 2}, {4, 2, 2}), true});
+  list.push_back({"inverted_inside_exact", with_vertex(grid(3, 3, 3), {1, 1, 1}, {3, 1, 1}), true});
   list.push_back({"inverted_out_of_surface", with_vertex(grid(3, 3, 3), {1, 1, 1}, {4.3, 1.2, 1.4})});
   list.push_back({"inverted_boundary", with_vertex(grid(3, 3, 3), {1, 1, 0}, {1.2, 1.1, 1.7})});
   list.push_back({"flat_inside", with_vertex(grid(4, 4, 4), {2, 2, 2}, {3, 2, 2}), true});
