@@ -42,7 +42,7 @@ build-tests:
 sanitize: sanitize-memory sanitize-threads
 
 # FLOORS="bvh mesh": the tests of these floors alone.
-sanitize-memory: FLOORS ?= core geometry mesh bvh boundary_path self_collision simulation picture cli
+sanitize-memory: FLOORS ?= core geometry mesh bvh boundary_path self_collision contact simulation picture cli
 sanitize-memory:
 	$(INSTALL) build test
 	$(CONFIGURE) --preset asan
@@ -50,7 +50,7 @@ sanitize-memory:
 	SELVAGE_TEST_SCALE=$(SANITIZE_SCALE) $(CTEST) --preset asan -L '$(LABELS)'
 
 # Only what runs in parallel.
-sanitize-threads: FLOORS ?= core mesh bvh boundary_path self_collision simulation
+sanitize-threads: FLOORS ?= core mesh bvh boundary_path self_collision contact simulation
 sanitize-threads:
 	$(INSTALL) build test
 	$(CONFIGURE) --preset tsan
