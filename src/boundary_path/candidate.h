@@ -201,11 +201,15 @@ void CandidateFactory<D>::aim_at_triangle(Candidate<D>& c) const {
       if (largest(v[i]) < largest(nearest)) nearest = v[i];
     const double squared = dot(n, n), height = dot(n, nearest) / squared;
     for (int i = 0; i < 3; ++i) c.offset[i] = n[i] * height;
+    // Their sum instead of `squared`, so that they add up to 1 however far p is.
+    double total = 0;
     for (int i = 0; i < 3; ++i) {
       double w[3];
       cross(v[(i + 1) % 3], v[(i + 2) % 3], w);
-      c.barycentric[i] = dot(w, n) / squared;
+      c.barycentric[i] = dot(w, n);
+      total += c.barycentric[i];
     }
+    for (int i = 0; i < 3; ++i) c.barycentric[i] /= total;
     c.direction_error = 8 * kUnitRoundoff * largest(e1) * largest(e2);
     // The height is known to n's error along `nearest`; its quotient and product add the relative errors of n.
     const double relative = c.direction_error / std::sqrt(squared);

@@ -9,7 +9,9 @@ namespace selvage::cli {
 
 namespace {
 
-constexpr std::size_t kVisibleBatch = 1 << 12;  // queries between two looks of the progress bar
+// Queries between two looks of the progress bar; the same without a bar, since what a query costs (its counters)
+// depends on the queries that it is asked with.
+constexpr std::size_t kBatch = 1 << 13;
 
 template <int D>
 Vec3 in_space(const Vec<D>& v) {
@@ -99,9 +101,8 @@ void answer(const BoundaryPathFinder<D>& finder, const SimplexMesh<D>& mesh, con
             Questions<D>& questions) {
   const std::size_t count = questions.queries.size();
   ProgressBar bar("shortest paths", request.quiet);
-  const std::size_t batch = bar.visible() ? kVisibleBatch : std::max<std::size_t>(count, 1);
-  for (std::size_t first = 0; first < count; first += batch) {
-    const std::size_t size = std::min(batch, count - first);
+  for (std::size_t first = 0; first < count; first += kBatch) {
+    const std::size_t size = std::min(kBatch, count - first);
     std::vector<PathCounters> counters(request.count ? size : 0);
     const auto paths = finder.find_paths(std::span(questions.queries).subspan(first, size), {}, counters);
     for (std::size_t i = 0; i < size; ++i) {

@@ -77,7 +77,7 @@ TEST_F(SearchTest, ProgressBarDoesNotChangeTheAnswers) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> coordinate(-1, 1);
   std::string points;
-  for (int i = 0; i < 10000; ++i) {
+  for (int i = 0; i < 25000; ++i) {
     for (int k = 0; k < 3; ++k) points += std::to_string(coordinate(random)) + (k < 2 ? "," : "\n");
   }
   SearchRequest request = ask(points);
