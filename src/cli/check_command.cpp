@@ -129,11 +129,9 @@ Command add_check(CLI::App& app) {
       ->type_name("MESH1");
   sub->add_option(
          "--method", options->method,
-         fmt::format(
-             "How pairs are culled: {}. All but three give every pair; for comparison, dual-cone, "
-             "dual-cone-internal and enhanced-dual-cone-published are as in their papers and may miss some. With "
-             "--to: auto or bvh, which are the same there",
-             fmt::join(culling_method_names(), ", ")))
+         fmt::format("How pairs are culled: {}. All but three give every pair; for comparison, dual-cone, "
+                     "dual-cone-internal and enhanced-dual-cone-published are as in their papers and may miss some",
+                     fmt::join(culling_method_names(), ", ")))
       ->type_name("NAME");
   sub->add_flag("--adjacent", options->adjacent,
                 "Also triangles that share a vertex or an edge and meet anywhere else");

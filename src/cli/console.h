@@ -31,8 +31,6 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// Whether anybody can see it.
-  bool visible() const { return visible_; }
   /// @param note  stands behind the bar
   void show(double fraction, std::string_view note = {});
   /// Takes the bar off the screen.
