@@ -3,6 +3,9 @@
 #include "selvage/contact/friction.h"
 #include "selvage/core/parallel.h"
 
+#include <array>
+#include <cmath>
+
 namespace selvage {
 
 namespace {
@@ -11,25 +14,54 @@ Eigen::Map<Eigen::Vector3d> position(VertexRow& vertex) {
   return Eigen::Map<Eigen::Vector3d>(vertex.position);
 }
 
+/// For both sides of a contact the inverse of the mean mass of its free vertices, weighed as in the contact: by it they
+/// all count. By their own, a light vertex among heavy ones would be thrown many times as far as the contact is deep,
+/// and its elements turned inside out; this way nothing moves much farther, and momentum is kept all the same.
+class SideMobilities {
+ public:
+  SideMobilities(const Contact& contact, std::span<const VertexRow> vertices) {
+    std::array<double, 2> weights{}, masses{};
+    for (int i = 0; i < contact.count; ++i) {
+      const double inverse_mass = vertices[contact.vertices[i]].inverse_mass;
+      if (!(inverse_mass > 0)) continue;
+      weights[side(contact.weights[i])] += std::abs(contact.weights[i]);
+      masses[side(contact.weights[i])] += std::abs(contact.weights[i]) / inverse_mass;
+    }
+    for (int s = 0; s < 2; ++s) mobilities_[s] = masses[s] > 0 ? weights[s] / masses[s] : 0;
+  }
+
+  double of(const VertexRow& vertex, double weight) const {
+    return vertex.inverse_mass > 0 ? mobilities_[side(weight)] : 0;
+  }
+
+ private:
+  static int side(double weight) { return weight > 0 ? 0 : 1; }
+
+  std::array<double, 2> mobilities_{};  ///< of the point, of the surface
+};
+
 void project_contact(const Contact& contact, std::span<const Vec3> start, Friction friction,
                      std::span<VertexRow> vertices) {
   Vec3 offset = Vec3::Zero(), offset_before = Vec3::Zero();
-  double mobility = 0;
   for (int i = 0; i < contact.count; ++i) {
-    VertexRow& vertex = vertices[contact.vertices[i]];
-    offset += contact.weights[i] * position(vertex);
+    offset += contact.weights[i] * position(vertices[contact.vertices[i]]);
     offset_before += contact.weights[i] * start[contact.vertices[i]];
-    mobility += vertex.inverse_mass * contact.weights[i] * contact.weights[i];
   }
   const double depth = -contact.normal.dot(offset);
-  if (!(depth > 0) || !(mobility > 0)) return;
+  if (!(depth > 0)) return;
+  const SideMobilities mobilities(contact, vertices);
+  double mobility = 0;
+  for (int i = 0; i < contact.count; ++i)
+    mobility +=
+        mobilities.of(vertices[contact.vertices[i]], contact.weights[i]) * contact.weights[i] * contact.weights[i];
+  if (!(mobility > 0)) return;
   const Vec3 out = depth * contact.normal;
   const Vec3 displacement = offset + out - offset_before;
   const Vec3 correction =
       out + friction_correction(displacement, contact.normal, depth, friction.at_rest, friction.sliding);
   for (int i = 0; i < contact.count; ++i) {
     VertexRow& vertex = vertices[contact.vertices[i]];
-    position(vertex) += vertex.inverse_mass * contact.weights[i] / mobility * correction;
+    position(vertex) += mobilities.of(vertex, contact.weights[i]) * contact.weights[i] / mobility * correction;
   }
 }
 

@@ -1,0 +1,92 @@
+// What a contact does to the vertices that it moves.
+#include "selvage/contact/friction.h"
+#include "simulation/project_contacts.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace selvage {
+namespace {
+
+/// A vertex below the middle of a face that looks up, or where a test puts it.
+struct Scratch {
+  std::vector<VertexRow> rows;
+  std::vector<Vec3> start;
+  Contact contact;
+
+  Scratch(const std::array<double, 4>& masses, const Vec3& barycentric, double depth) {
+    const std::array<Vec3, 3> corners{Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}};
+    Vec3 point = -depth * Vec3::UnitZ();
+    for (int i = 0; i < 3; ++i) point += barycentric[i] * corners[i];
+    start = {point, corners[0], corners[1], corners[2]};
+    for (int i = 0; i < 4; ++i)
+      rows.push_back({{start[i][0], start[i][1], start[i][2]}, masses[i] > 0 ? 1 / masses[i] : 0});
+    contact.count = 4;
+    contact.vertices = {0, 1, 2, 3};
+    contact.weights = {1, -barycentric[0], -barycentric[1], -barycentric[2]};
+    contact.normal = Vec3::UnitZ();
+  }
+
+  Vec3 position(int i) const { return Eigen::Map<const Eigen::Vector3d>(rows[i].position); }
+  Vec3 moved(int i) const { return position(i) - start[i]; }
+  double gap() const {
+    double gap = 0;
+    for (int i = 0; i < 4; ++i) gap += contact.weights[i] * contact.normal.dot(position(i));
+    return gap;
+  }
+  void project(Friction friction = {0, 0}) { project_contacts({&contact, 1}, start, friction, rows); }
+};
+
+TEST(Projection, ClosesTheGapAndKeepsMomentumWhateverTheMasses) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> exponent(-3, 3), share(0, 1);
+  for (int n = 0; n < 1000; ++n) {
+    std::array<double, 4> masses;
+    for (double& mass : masses) mass = std::pow(10.0, exponent(random));
+    Vec3 barycentric{share(random), share(random), share(random)};
+    barycentric /= barycentric.sum();
+    Scratch scratch(masses, barycentric, 0.1);
+    scratch.project();
+    EXPECT_NEAR(scratch.gap(), 0, 1e-12);
+    Vec3 momentum = Vec3::Zero();
+    double most = 0;
+    for (int i = 0; i < 4; ++i) {
+      momentum += masses[i] * scratch.moved(i);
+      most = std::max(most, masses[i] * scratch.moved(i).norm());
+      // Of weights that sum to 1, the largest is at most 1.37 times the sum of their squares.
+      EXPECT_LE(scratch.moved(i).norm(), 1.37 * 0.1);
+    }
+    EXPECT_LE(momentum.norm(), 1e-12 * most);
+  }
+}
+
+TEST(Projection, LeavesPinnedVerticesWhereTheyAre) {
+  Scratch held({1, 0, 0, 0}, {0.2, 0.3, 0.5}, 0.1);
+  held.project();
+  EXPECT_NEAR(held.moved(0)[2], 0.1, 1e-15);
+  Scratch corner({2, 0, 3, 4}, {0.2, 0.3, 0.5}, 0.1);
+  corner.project();
+  EXPECT_EQ(corner.moved(1), Vec3::Zero().eval());
+  EXPECT_NEAR(corner.gap(), 0, 1e-15);
+  Scratch all({0, 0, 0, 0}, {0.2, 0.3, 0.5}, 0.1);
+  all.project();
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(all.moved(i), Vec3::Zero().eval());
+}
+
+TEST(Projection, OfTwoLikeBodiesMovesBothAlike) {
+  Scratch scratch({1, 1, 1, 1}, {1, 0, 0}, 0.1);
+  scratch.project();
+  EXPECT_NEAR(scratch.moved(0)[2], 0.05, 1e-15);
+  EXPECT_NEAR(scratch.moved(1)[2], -0.05, 1e-15);
+  EXPECT_EQ(scratch.moved(2), Vec3::Zero().eval());
+}
+
+TEST(Projection, LeavesWhatIsOutsideAlone) {
+  Scratch scratch({1, 1, 1, 1}, {0.2, 0.3, 0.5}, -0.1);
+  scratch.project({1, 1});
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(scratch.moved(i), Vec3::Zero().eval());
+}
+
+}  // namespace
+}  // namespace selvage
