@@ -49,7 +49,7 @@ void solve(benchmark::State& state, MaterialKind kind) {
   }
   rows.insert(rows.end(), solver.stand_ins().begin(), solver.stand_ins().end());
   constexpr int kIterations = 3;
-  for (auto _ : state) solver.solve(rows, {}, kIterations);
+  for (auto _ : state) solver.solve(rows, {}, 0, kIterations);
   const double iterations = kIterations * static_cast<double>(state.iterations());
   const auto rate = [](double count) { return benchmark::Counter(count, benchmark::Counter::kIsRate); };
   state.counters["constraints/s"] = rate(iterations * static_cast<double>(solver.constraint_count()));

@@ -37,18 +37,18 @@ void MaterialSolver::solve_best(const MaterialTask& task, Index first, Index las
   SELVAGE_DISPATCH(solve_blocks, task, first, last);
 }
 
-void MaterialSolver::solve(std::span<VertexRow> vertices, std::span<const VertexRow> start, int iterations,
+void MaterialSolver::solve(std::span<VertexRow> vertices, std::span<const VertexRow> start, int first, int last,
                            void (*kernel)(const MaterialTask&, Index first, Index last)) {
   MaterialTask task{vertices.data(), start.data(), blocks_.elements.data(), blocks_.edges.data(), blocks_.blocks.data(),
                     bodies_.data(),  true};
-  for (int iteration = 0; iteration < iterations; ++iteration) {
+  for (int iteration = first; iteration < last; ++iteration) {
+    task.is_first = iteration == 0;
     for (Index colour = 0; colour < blocks_.colour_count(); ++colour) {
       const Index base = blocks_.colour_first[colour];
-      parallel_ranges(blocks_.colour_first[colour + 1] - base, 1, [&](std::int64_t first, std::int64_t last) {
-        kernel(task, base + static_cast<Index>(first), base + static_cast<Index>(last));
+      parallel_ranges(blocks_.colour_first[colour + 1] - base, 1, [&](std::int64_t begin, std::int64_t end) {
+        kernel(task, base + static_cast<Index>(begin), base + static_cast<Index>(end));
       });
     }
-    task.is_first = false;
   }
 }
 

@@ -22,8 +22,9 @@ class MaterialSolver {
   /// The kernel of the active instruction set.
   static void solve_best(const MaterialTask& task, Index first, Index last);
 
-  /// All iterations of a step. The same bits for any number of threads, and with every kernel.
-  void solve(std::span<VertexRow> vertices, std::span<const VertexRow> start, int iterations,
+  /// Iterations of a step from `first` to before `last`; number 0 forgets the step before. The same bits for any
+  /// number of threads, and with every kernel.
+  void solve(std::span<VertexRow> vertices, std::span<const VertexRow> start, int first, int last,
              void (*kernel)(const MaterialTask&, Index first, Index last) = &solve_best);
 
  private:

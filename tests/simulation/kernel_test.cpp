@@ -269,7 +269,7 @@ TEST_P(Kernel, DoesWhatTheTwinDoesAndTheSameOnEveryInstructionSet) {
       for (const Variant& variant : variants()) {
         MaterialSolver solver(model, time_step);
         std::vector<VertexRow> rows = before;
-        solver.solve(rows, start, iterations, variant.solve);
+        solver.solve(rows, start, 0, iterations, variant.solve);
         double worst = 0;
         for (std::size_t v = 0; v < rows.size(); ++v)
           for (int axis = 0; axis < 3; ++axis)
@@ -289,7 +289,7 @@ TEST(Kernel, LeavesPinnedAndCollapsedElementsFinite) {
     for (const bool pinned : {false, true}) {
       std::vector<VertexRow> rows(model.mesh.vertex_count(), {{0.5, 0.5, 0.5}, pinned ? 0.0 : 1.0});
       rows.insert(rows.end(), solver.stand_ins().begin(), solver.stand_ins().end());
-      solver.solve(rows, rows, 3);
+      solver.solve(rows, rows, 0, 3);
       for (const VertexRow& row : rows)
         for (const double x : row.position) ASSERT_TRUE(std::isfinite(x));
     }

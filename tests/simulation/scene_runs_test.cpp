@@ -92,6 +92,40 @@ TEST(SceneRuns, ACubeSlidesDownByExactPathsAndIsPulledUpByThoseOfTheRestPose) {
   EXPECT_LT(end.deepest, 1e-3);
 }
 
+/// Soft rods that fall crosswise on one another in a gutter, at 10 m/s: a third of an element a step.
+TEST(SceneRuns, RodsThatFallHardStayOutOfOneAnotherAndWhole) {
+  const std::string scene = R"({
+    "selvage_scene": 1, "frames": 20, "substeps": 5, "iterations": 5, "damping": 1, "max_speed": 30,
+    "bodies": [{
+      "mesh": {"shape": "rod", "length": 1.6, "radius": 0.1, "elements": 800},
+      "instances": {"list": [
+        {"translate": [0, 0, 1.0]},
+        {"translate": [0, 0, 1.3], "rotate": {"axis": [0, 0, 1], "degrees": 80}},
+        {"translate": [0, 0, 1.6]},
+        {"translate": [0, 0, 1.9], "rotate": {"axis": [0, 0, 1], "degrees": 80}}
+      ]},
+      "material": {"youngs_modulus": 3e5, "poisson_ratio": 0.3, "damping": 0.001},
+      "velocity": [0, 0, -10]
+    }],
+    "colliders": [
+      {"plane": {"normal": [0.7, 0, 1], "point": [0, 0, 0]}},
+      {"plane": {"normal": [-0.7, 0, 1], "point": [0, 0, 0]}}
+    ]
+  })";
+  Play play(parse_scene(scene, "rods.json"));
+  for (int frame = 1; frame <= play.scene().frames; ++frame) {
+    play.run_frames(1);
+    const Tangle tangle = tangle_of(play);
+    EXPECT_EQ(tangle.inverted, 0) << frame;
+    EXPECT_LT(tangle.deepest, 0.01) << frame;
+  }
+  Scene alone = parse_scene(scene, "rods.json");
+  alone.options.contact.mode = DetectionMode::kOff;
+  Play through(std::move(alone));
+  through.run_frames(10);
+  EXPECT_GT(tangle_of(through).deepest, 0.05);
+}
+
 /// One loop of the noodle.
 TEST(SceneRuns, ATangledNoodleIsFreeWithinTenSteps) {
   Play play(load("tangled_noodle", {{"/bodies/0/mesh/length", "3"}, {"/bodies/0/poses/1/crossings", "1"}}));
