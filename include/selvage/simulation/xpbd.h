@@ -33,9 +33,10 @@ struct StepStatistics {
 
 /// Deformable bodies in time: XPBD with the contacts of SPB.
 ///
-/// One step is SPB's supplement, algorithm 5. The material is solved by Gauss-Seidel over blocks of elements: blocks of
-/// one colour share no vertex and are solved at the same time, inside a block by as many lanes as registers have. The
-/// result is the same, bit for bit, for any number of threads and on any instruction set.
+/// One step is SPB's supplement, algorithm 5, but that contacts are found after the first half of the iterations and
+/// projected then and after each of the others, not once. The material is solved by Gauss-Seidel over blocks of
+/// elements: blocks of one colour share no vertex and are solved at the same time, inside a block by as many lanes as
+/// registers have. The result is the same, bit for bit, for any number of threads and on any instruction set.
 /// Sources: Macklin, Muller, Chentanez 2016 (XPBD); Macklin and Muller 2021; Chen, Diaz, Yuksel 2023 (SPB).
 class XpbdSolver {
  public:
