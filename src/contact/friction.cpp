@@ -1,15 +1,18 @@
 #include "selvage/contact/friction.h"
 
+#include <algorithm>
+
 namespace selvage {
 
-Vec3 friction_correction(const Vec3& displacement, const Vec3& normal, double normal_correction, double static_friction,
-                         double dynamic_friction) {
-  const Vec3 tangential = displacement - normal.dot(displacement) * normal;
-  const double length = tangential.norm();
-  if (!(length > 0)) return Vec3::Zero();
-  if (length <= static_friction * normal_correction) return -tangential;
-  const double slip = dynamic_friction * normal_correction;
-  return slip < length ? Vec3(-slip / length * tangential) : Vec3(-tangential);
+Vec3 friction_correction(const Vec3& displacement, const Vec3& normal, double normal_correction,
+                         const Friction& friction, Grip& grip) {
+  const auto across = [&](const Vec3& x) { return Vec3(x - normal.dot(x) * normal); };
+  const Vec3 before = across(grip.held);  // of a round surface: where the normal was a little different
+  grip.pressed += normal_correction;
+  grip.held = before - across(displacement);
+  const double length = grip.held.norm();
+  if (length > friction.at_rest * grip.pressed) grip.held *= std::min(friction.sliding * grip.pressed / length, 1.0);
+  return grip.held - before;
 }
 
 }  // namespace selvage

@@ -118,7 +118,7 @@ std::vector<Obstacle> make_obstacles(std::span<const Collider> colliders) {
     demand(collider.static_friction >= 0 && collider.dynamic_friction >= 0, where, "its friction is negative",
            "give numbers of at least 0");
     for (auto& solid : std::visit([&](const auto& shape) { return make_solids(where, shape); }, collider.shape))
-      obstacles.push_back({std::move(solid), collider.motion, collider.static_friction, collider.dynamic_friction});
+      obstacles.push_back({std::move(solid), collider.motion, {collider.static_friction, collider.dynamic_friction}});
   }
   return obstacles;
 }

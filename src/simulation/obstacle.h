@@ -1,6 +1,7 @@
 #pragma once
 
 #include "selvage/bvh/bvh.h"
+#include "selvage/contact/friction.h"
 #include "selvage/mesh/triangle_mesh.h"
 #include "selvage/simulation/collider.h"
 
@@ -35,7 +36,7 @@ class MeshSolid {
 struct Obstacle {
   std::variant<PlaneShape, Bowl, SphereShape, CylinderShape, MeshSolid> solid;
   Motion motion;
-  double static_friction, dynamic_friction;
+  Friction friction;
 
   /// Where the point is inside, in the collider's own coordinates: where it is at rest.
   std::optional<Hit> find_hit(const Vec3& p) const;

@@ -1,6 +1,5 @@
 #include "simulation/project_contacts.h"
 
-#include "selvage/contact/friction.h"
 #include "selvage/core/parallel.h"
 
 #include <array>
@@ -40,7 +39,7 @@ class SideMobilities {
   std::array<double, 2> mobilities_{};  ///< of the point, of the surface
 };
 
-void project_contact(const Contact& contact, std::span<const Vec3> start, Friction friction,
+void project_contact(const Contact& contact, std::span<const Vec3> start, const Friction& friction, Grip& grip,
                      std::span<VertexRow> vertices) {
   Vec3 offset = Vec3::Zero(), offset_before = Vec3::Zero();
   for (int i = 0; i < contact.count; ++i) {
@@ -57,8 +56,7 @@ void project_contact(const Contact& contact, std::span<const Vec3> start, Fricti
   if (!(mobility > 0)) return;
   const Vec3 out = depth * contact.normal;
   const Vec3 displacement = offset + out - offset_before;
-  const Vec3 correction =
-      out + friction_correction(displacement, contact.normal, depth, friction.at_rest, friction.sliding);
+  const Vec3 correction = out + friction_correction(displacement, contact.normal, depth, friction, grip);
   for (int i = 0; i < contact.count; ++i) {
     VertexRow& vertex = vertices[contact.vertices[i]];
     position(vertex) += mobilities.of(vertex, contact.weights[i]) * contact.weights[i] / mobility * correction;
@@ -75,13 +73,13 @@ struct MovingObstacle {
   const Obstacle& obstacle;
   RigidTransform from, to;
 
-  bool push_out(const Vec3& start, VertexRow& vertex) const {
+  bool push_out(const Vec3& start, Grip& grip, VertexRow& vertex) const {
     const Vec3 p = to.invert(position(vertex));
     const std::optional<Hit> hit = obstacle.find_hit(p);
     if (!hit) return false;
     const Vec3 outside = p + hit->depth * hit->normal;
-    const Vec3 slide = friction_correction(outside - from.invert(start), hit->normal, hit->depth,
-                                           obstacle.static_friction, obstacle.dynamic_friction);
+    const Vec3 slide =
+        friction_correction(outside - from.invert(start), hit->normal, hit->depth, obstacle.friction, grip);
     // Back from where the slide leaves a hollow wall.
     const Vec3 held = outside + slide;
     const std::optional<Hit> again = obstacle.find_hit(held);
@@ -92,13 +90,13 @@ struct MovingObstacle {
 
 }  // namespace
 
-void project_contacts(std::span<const Contact> contacts, std::span<const Vec3> start, Friction friction,
-                      std::span<VertexRow> vertices) {
-  for (const Contact& contact : contacts) project_contact(contact, start, friction, vertices);
+void project_contacts(std::span<const Contact> contacts, std::span<const Vec3> start, const Friction& friction,
+                      std::span<Grip> grips, std::span<VertexRow> vertices) {
+  for (std::size_t i = 0; i < contacts.size(); ++i) project_contact(contacts[i], start, friction, grips[i], vertices);
 }
 
 std::int64_t project_obstacles(std::span<const Obstacle> obstacles, double from, double to, std::span<const Vec3> start,
-                               std::span<VertexRow> vertices) {
+                               std::span<Grip> grips, std::span<VertexRow> vertices) {
   std::vector<MovingObstacle> moving;
   for (const Obstacle& obstacle : obstacles)
     moving.push_back({obstacle, obstacle.motion.at(from), obstacle.motion.at(to)});
@@ -108,7 +106,8 @@ std::int64_t project_obstacles(std::span<const Obstacle> obstacles, double from,
       parallel_reduce<Count>(std::ssize(start), kGrain, [&](std::int64_t first, std::int64_t last, Count& hits) {
         for (std::int64_t v = first; v < last; ++v)
           if (vertices[v].inverse_mass > 0)
-            for (const MovingObstacle& obstacle : moving) hits.value += obstacle.push_out(start[v], vertices[v]);
+            for (std::size_t o = 0; o < moving.size(); ++o)
+              hits.value += moving[o].push_out(start[v], grips[v * moving.size() + o], vertices[v]);
       });
   return count.value;
 }

@@ -75,8 +75,10 @@ struct XpbdSolver::Parts {
   std::optional<ContactFinder> contact_finder;
   std::vector<Vec3> proposed;  ///< positions after the material solve
   std::vector<Contact> contacts;
-  std::vector<VertexRow> vertices;  ///< as the step moves them, followed by the solver's stand-ins
-  std::vector<VertexRow> start;     ///< the same at the start of the step, where it is needed
+  std::vector<Grip> contact_grips;   ///< (n_contacts)
+  std::vector<Grip> obstacle_grips;  ///< (n_vertices x n_obstacles)
+  std::vector<VertexRow> vertices;   ///< as the step moves them, followed by the solver's stand-ins
+  std::vector<VertexRow> start;      ///< the same at the start of the step, where it is needed
   StepStatistics statistics;
 
   Parts(const Model& m, const State& initial, std::vector<Handle> h, std::span<const Collider> colliders, XpbdOptions o)
@@ -182,8 +184,9 @@ struct XpbdSolver::Parts {
 
   void project(const State& state, double from, double to) {
     const auto begin = std::chrono::steady_clock::now();
-    project_contacts(contacts, state.positions, {options.static_friction, options.dynamic_friction}, vertices);
-    statistics.collider_contacts += project_obstacles(obstacles, from, to, state.positions, vertices);
+    project_contacts(contacts, state.positions, {options.static_friction, options.dynamic_friction}, contact_grips,
+                     vertices);
+    statistics.collider_contacts += project_obstacles(obstacles, from, to, state.positions, obstacle_grips, vertices);
     statistics.seconds_projection += seconds_since(begin);
   }
 
@@ -200,6 +203,8 @@ struct XpbdSolver::Parts {
     solve_material(0, free_iterations);
     check_finite(state.steps + 1);
     find_contacts();
+    contact_grips.assign(contacts.size(), {});
+    obstacle_grips.assign(vertex_count() * obstacles.size(), {});
     project(state, from, to);
     for (int iteration = free_iterations; iteration < options.iterations; ++iteration) {
       solve_material(iteration, iteration + 1);

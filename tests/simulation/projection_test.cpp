@@ -1,5 +1,4 @@
 // What a contact does to the vertices that it moves.
-#include "selvage/contact/friction.h"
 #include "simulation/project_contacts.h"
 
 #include <gtest/gtest.h>
@@ -14,6 +13,7 @@ struct Scratch {
   std::vector<VertexRow> rows;
   std::vector<Vec3> start;
   Contact contact;
+  Grip grip;
 
   Scratch(const std::array<double, 4>& masses, const Vec3& barycentric, double depth) {
     const std::array<Vec3, 3> corners{Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}};
@@ -35,7 +35,7 @@ struct Scratch {
     for (int i = 0; i < 4; ++i) gap += contact.weights[i] * contact.normal.dot(position(i));
     return gap;
   }
-  void project(Friction friction = {0, 0}) { project_contacts({&contact, 1}, start, friction, rows); }
+  void project(Friction friction = {0, 0}) { project_contacts({&contact, 1}, start, friction, {&grip, 1}, rows); }
 };
 
 TEST(Projection, ClosesTheGapAndKeepsMomentumWhateverTheMasses) {

@@ -4,22 +4,34 @@
 
 namespace selvage {
 
-/// Friction of one contact during a step, after its projection along the normal: the change of the point's displacement
-/// relative to the surface. Its tangential part is undone wholly where that is no more than `static_friction` times the
-/// normal correction (stick), else by at most `dynamic_friction` times it (slip).
+/// Coefficients of friction.
+struct Friction {
+  double at_rest = 0, sliding = 0;
+};
+
+/// What one contact has done to its point during a step in which it is projected any number of times.
+struct Grip {
+  double pressed = 0;        ///< sum of the corrections along the normal [m]
+  Vec3 held = Vec3::Zero();  ///< sum of those by friction [m]
+};
+
+/// Friction of one contact after each projection along its normal: the change of the point's displacement relative to
+/// the surface. All of it since the start of the step together undoes the whole tangential displacement where that
+/// takes no more than `at_rest` times what the contact has pressed in the step (stick), else it is no more than
+/// `sliding` times that (slip). Judged per projection instead, what is pressed once and projected again would hardly
+/// hold: the second time there is little left to press.
 ///
 /// Share it out as the contact's projection was: vertex i moves by m_i w_i / (sum of m_k w_k^2) times the result, with
 /// m the inverse masses and w the contact's weights.
 ///
 /// @param displacement       of the point relative to the surface since the start of the step [m]
 /// @param normal             unit normal of the contact
-/// @param normal_correction  how far the projection has moved the point relative to the surface; not negative [m]
-/// @param static_friction    coefficient of static friction
-/// @param dynamic_friction   coefficient of dynamic friction
+/// @param normal_correction  how far this projection has moved the point relative to the surface; not negative [m]
+/// @param grip               what earlier projections did; this one is added
 /// @return a vector across the normal; zero where nothing slides
 ///
 /// Source: Bender, Mueller, Macklin 2015, A survey on position based dynamics, section on friction.
-Vec3 friction_correction(const Vec3& displacement, const Vec3& normal, double normal_correction, double static_friction,
-                         double dynamic_friction);
+Vec3 friction_correction(const Vec3& displacement, const Vec3& normal, double normal_correction,
+                         const Friction& friction, Grip& grip);
 
 }  // namespace selvage
