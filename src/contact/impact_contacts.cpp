@@ -11,6 +11,8 @@ namespace {
 
 /// Sines below this are rounding: the triangle is flat, the edges are parallel, the motion only grazes.
 constexpr double kFlat = 1e-10;
+/// Sine above which a triangle rises through a contact's plane, and not only bends or rounds to the other side.
+constexpr double kSteep = 0.5;
 
 template <std::size_t N>
 struct MovingSimplex {
@@ -53,6 +55,26 @@ Vec3 outer_side(const SurfaceStep& step, Index edge, double time) {
   return sum;
 }
 
+/// What a contact can push against where it meets a surface: the unit normal itself, where the triangles around are all
+/// behind its plane; where one rises through it steeply, the closest of the triangles' own. What rises so must have
+/// been met before: as when a body slides on a flat one and is pressed a little into it, so that its side seems to run
+/// into edges and vertices of the flat. Not held back by these, it is lifted off.
+Vec3 fit_to_surface(const SurfaceStep& step, std::span<const Index> triangles, double time, const Vec3& point,
+                    const Vec3& normal) {
+  bool rises = false;
+  double closest = -2;
+  Vec3 fitting = normal;
+  for (const Index t : triangles) {
+    const MovingSimplex<3> triangle(step, step.surface.triangles()[t], time);
+    for (const Vec3& corner : triangle.at) rises |= normal.dot(corner - point) > kSteep * (corner - point).norm();
+    const std::optional<Vec3> own = direction(area_normal(triangle.at));
+    if (!own || own->dot(normal) <= closest) continue;
+    closest = own->dot(normal);
+    fitting = *own;
+  }
+  return rises ? fitting : normal;
+}
+
 }  // namespace
 
 std::array<double, 2> closest_places(const std::array<Vec3, 2>& a, const std::array<Vec3, 2>& b) {
@@ -80,7 +102,11 @@ std::optional<Contact> vertex_face_contact(const SurfaceStep& step, VertexFacePa
   if (area.norm() > kFlat * longest) {
     normal = direction(area);
     const Vec3 approach = vertex.velocity[0] - weighted(triangle.velocity, closest.barycentric);
-    if (normal && time > 0) normal = against(*normal, approach);
+    if (normal && time > 0) {
+      normal = against(*normal, approach);
+      normal = -fit_to_surface(step, step.surface.vertex_triangles(pair.vertex), time, vertex.at[0], -*normal);
+      normal = against(*normal, approach);
+    }
   } else {
     normal = direction(vertex.t0[0] - weighted(triangle.t0, closest.barycentric));
   }
@@ -112,7 +138,13 @@ std::optional<Contact> edge_edge_contact(const SurfaceStep& step, EdgeEdgePair p
     if (normal && normal->dot(outer_side(step, pair.second, time) - outer_side(step, pair.first, time)) < 0)
       normal = -*normal;
     const Vec3 approach = weighted(first.velocity, of_first) - weighted(second.velocity, of_second);
-    if (normal && time > 0) normal = against(*normal, approach);
+    if (normal && time > 0) {
+      normal = against(*normal, approach);
+      const Vec3 point = weighted(second.at, of_second);
+      normal = fit_to_surface(step, step.surface.edge_triangles(pair.second), time, point, *normal);
+      normal = -fit_to_surface(step, step.surface.edge_triangles(pair.first), time, point, -*normal);
+      normal = against(*normal, approach);
+    }
   } else {
     normal = direction(weighted(first.t0, of_first) - weighted(second.t0, of_second));
   }

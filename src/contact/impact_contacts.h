@@ -18,13 +18,16 @@ struct SurfaceStep {
 /// The contact of a vertex that runs into a face at the given time. Its normal is that of the face at that time, on the
 /// side that the vertex comes from: against its velocity relative to the face. Where they touch at the start of the
 /// step, or the vertex only grazes the face, that is the outer side. Of a face that is flat then, the normal points to
-/// where the vertex started; nothing where it started there.
+/// where the vertex started; nothing where it started there. Where another triangle of the vertex rises steeply through
+/// the plane of the face, the normal is against the closest of those triangles instead: it is lifted off,
+/// not held back.
 std::optional<Contact> vertex_face_contact(const SurfaceStep& step, VertexFacePair pair, double time);
 
 /// The contact of two edges that run into each other at the given time: the first is the point, the second the
 /// surface. The normal is across both at that time, on the side that the first comes from. Where they touch at the
 /// start of the step, or only graze, it is the side from the second edge's outer side to the first's. Of edges that are
-/// parallel then, the normal points from the one to the other as they started; nothing where they touched.
+/// parallel then, the normal points from the one to the other as they started; nothing where they touched. Fitted to
+/// the triangles of both edges as above.
 std::optional<Contact> edge_edge_contact(const SurfaceStep& step, EdgeEdgePair pair, double time);
 
 /// Closest points of two segments, as places between their ends: 0 to 1.

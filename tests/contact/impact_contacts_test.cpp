@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace selvage {
 namespace {
 
@@ -51,7 +53,9 @@ TEST(VertexFaceContact, OfAFallingVertexPointsUp) {
 }
 
 TEST(VertexFaceContact, OfARisingVertexPointsDown) {
-  const auto contact = ground_contact(with_point({1, 1, -1}), with_point({1, 1, 1}), 0.5);
+  Positions t0 = with_point({1, 1, -1}), t1 = with_point({1, 1, 1});
+  for (Positions* x : {&t0, &t1}) (*x)[4][2] = (*x)[5][2] = -9;
+  const auto contact = ground_contact(t0, t1, 0.5);
   ASSERT_TRUE(contact);
   expect_near(contact->normal, {0, 0, -1});
 }
@@ -83,6 +87,44 @@ TEST(VertexFaceContact, OfAFlatFacePointsToWhereTheVertexStarted) {
   t0[3] = {1, 0, 0};
   t1[3] = {1, 0, 0};
   EXPECT_FALSE(ground_contact(t0, t1, 0));
+}
+
+/// A pyramid that looks up, of any height, and the side of a body: that looks along x, and slides that way while it is
+/// pressed down a little.
+struct Slide {
+  TriangleMesh mesh{8, {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}, {5, 6, 7}}};
+  Positions t0, t1;
+
+  explicit Slide(double height)
+      : t0{{0, 0, height}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {-1, -1, -0.1}, {-1, 1, -0.1}, {-1, 0, 1}},
+        t1(t0) {
+    for (Positions* x : {&t0, &t1})
+      for (int i : {5, 6, 7}) (*x)[i][2] += height;
+    for (int i : {5, 6, 7}) t1[i] += Vec3(2, 0, -0.05);
+  }
+  std::optional<Contact> contact() const { return vertex_face_contact({mesh, t0, t1}, {0, 4}, 0.5); }
+};
+
+TEST(VertexFaceContact, LiftsOffAFlatWhatSlidesOnItALittleTooLow) {
+  const auto contact = Slide(0).contact();
+  ASSERT_TRUE(contact);
+  expect_near(contact->normal, {0, 0, -1});
+  EXPECT_NEAR(gap_of(*contact, Slide(0).t1), -0.025, 1e-12);
+}
+
+TEST(VertexFaceContact, OfATipStaysAcrossTheFaceHoweverSteepItsSidesAre) {
+  for (const double height : {0.2, 1.0, 9.0}) {
+    Slide fall(height);
+    // The ground comes down on the tip.
+    const std::array<Vec3, 3> ground{Vec3{-1, -1, 0}, Vec3{-1, 1, 0}, Vec3{2, 0, 0}};
+    for (int i = 0; i < 3; ++i) {
+      fall.t0[5 + i] = ground[i] + Vec3(0, 0, height + 1);
+      fall.t1[5 + i] = ground[i] + Vec3(0.5, 0, height - 1);
+    }
+    const auto contact = fall.contact();
+    ASSERT_TRUE(contact);
+    expect_near(contact->normal, {0, 0, -1});
+  }
 }
 
 /// Edges (0, 1) along x and (2, 3) along y, each with a triangle that looks away from the other.
@@ -118,9 +160,26 @@ TEST(EdgeEdgeContact, PointsToTheSideThatTheFirstComesFrom) {
 
   TwoEdges from_below;
   from_below.t0[0][2] = from_below.t0[1][2] = -1;
+  for (Positions* x : {&from_below.t0, &from_below.t1}) std::swap((*x)[4][2], (*x)[5][2]);
   const auto below = from_below.contact(0.5);
   ASSERT_TRUE(below);
   expect_near(below->normal, {0, 0, -1});
+}
+
+TEST(EdgeEdgeContact, LiftsOffAFlatWhatSlidesOnItALittleTooLow) {
+  // The flat has the edge (0, 1); the upright edge (4, 5) of a body runs into it along x.
+  const TriangleMesh mesh(8, {{0, 1, 2}, {1, 0, 3}, {4, 5, 6}, {5, 4, 7}});
+  const Positions t0{{0, 1, 0},     {0, -1, 0},   {-1, 0, 0},   {1, 0, 0},
+                     {-1, 0, -0.1}, {-1, 0, 0.9}, {-2, 1, 0.1}, {-2, -1, 0.1}};
+  Positions t1 = t0;
+  for (int i : {4, 5, 6, 7}) t1[i] += Vec3(2, 0, -0.05);
+  const auto number = [&](VertexTuple<2> edge) {
+    return static_cast<Index>(std::find(mesh.edges().begin(), mesh.edges().end(), edge) - mesh.edges().begin());
+  };
+  const auto contact = edge_edge_contact({mesh, t0, t1}, {number({0, 1}), number({4, 5})}, 0.5);
+  ASSERT_TRUE(contact);
+  EXPECT_NEAR(std::abs(contact->normal[2]), 1, 1e-12);
+  EXPECT_NEAR(gap_of(*contact, t1), -0.025, 1e-12);
 }
 
 TEST(EdgeEdgeContact, OfParallelEdgesPointsFromTheOneToTheOther) {
