@@ -36,6 +36,22 @@ double length_of(const Vec3& x) {
   return std::hypot(x[0], x[1], x[2]);
 }
 
+/// Multiplies by a power of two: by two factors, since the power itself may overflow.
+class Scaling {
+ public:
+  Scaling() = default;
+  explicit Scaling(int exponent)
+      : half_(std::ldexp(1.0, exponent / 2)), rest_(std::ldexp(1.0, exponent - exponent / 2)) {}
+
+  template <typename T>
+  T operator()(const T& x) const {
+    return x * half_ * rest_;
+  }
+
+ private:
+  double half_ = 1, rest_ = 1;
+};
+
 }  // namespace
 
 template <int D>
@@ -45,6 +61,7 @@ struct BoundaryPathFinder<D>::State {
   PathTopology<D> topology;
   Pose<D> pose;
   ContainmentSearch<D> containment;
+  Scaling to_scene, from_scene;
 
   State(const SimplexMesh<D>& m, std::span<const Vec<D>> positions, PathOptions o)
       : mesh(m), options(o), topology(m), pose(m, topology), containment(m, pose, pose.elements()) {
@@ -53,11 +70,18 @@ struct BoundaryPathFinder<D>::State {
 
   void update(std::span<const Vec<D>> positions) {
     if (pose.update(positions)) containment.rebuild();
+    take_scale();
   }
 
   void rebuild(std::span<const Vec<D>> positions) {
     pose.rebuild(positions);
     containment.rebuild();
+    take_scale();
+  }
+
+  void take_scale() {
+    to_scene = Scaling(-pose.exponent());
+    from_scene = Scaling(pose.exponent());
   }
 
   PathScene<D> scene() const {
@@ -82,12 +106,6 @@ struct BoundaryPathFinder<D>::State {
             pose.defect_hierarchy().nodes(),
             pose.defect_places().data(),
             options};
-  }
-
-  Vec<D> to_scene(const Vec<D>& x) const { return scaled(x, -pose.exponent()); }
-  Vec<D> from_scene(const Vec<D>& x) const { return scaled(x, pose.exponent()); }
-  static Vec<D> scaled(const Vec<D>& x, int exponent) {
-    return x.unaryExpr([exponent](double c) { return std::ldexp(c, exponent); });
   }
 
   void check(std::span<const PathQuery<D>> queries, std::span<const Index> warm_start, std::size_t counters) const;
@@ -175,7 +193,7 @@ BoundaryPath<D> BoundaryPathFinder<D>::State::describe(const PathTask<D>& task, 
         result.barycentric[i];
   path.point = from_scene(result.target_count == 1 ? pose.positions()[result.target_vertices[0]]
                                                    : Vec<D>(task.query.point + result.offset));
-  path.distance = std::ldexp(length_of(result.offset), pose.exponent());
+  path.distance = from_scene(length_of(result.offset));
   path.normal = normal_at(result.face, result);
   return path;
 }

@@ -55,7 +55,7 @@ class GroupSearch {
     Index face[kMost];
   };
 
-  static void prefetch_tasks(const PathScene<D>& scene, std::span<const PathTask<D>> tasks);
+  static void prefetch_ends(const PathScene<D>& scene, std::span<const PathTask<D>> tasks);
   void place(int lane);
   void take_bound(int lane);
   void walk_down();
@@ -84,7 +84,7 @@ class GroupSearch {
 template <int D>
 void GroupSearch<D>::run(std::span<const PathTask<D>> tasks, PathResult<D>* results, PathCounters* counters) {
   const int count = static_cast<int>(tasks.size());
-  prefetch_tasks(scene_, tasks);
+  prefetch_ends(scene_, tasks);
   searches_.clear();
   searches_.reserve(kWidth);
   answer_count_ = 0;
@@ -110,13 +110,11 @@ void GroupSearch<D>::run(std::span<const PathTask<D>> tasks, PathResult<D>* resu
 }
 
 template <int D>
-void GroupSearch<D>::prefetch_tasks(const PathScene<D>& scene, std::span<const PathTask<D>> tasks) {
+void GroupSearch<D>::prefetch_ends(const PathScene<D>& scene, std::span<const PathTask<D>> tasks) {
   for (const PathTask<D>& task : tasks) {
-    prefetch(scene.elements + task.query.element);
-    prefetch(scene.hints + task.query.element);
-  }
-  for (const PathTask<D>& task : tasks)
     for (const Index v : scene.elements[task.query.element].vertices) prefetch(scene.positions + v);
+    if (const Index hint = scene.hints[task.query.element]; hint != kNone) prefetch(scene.face_stars + hint);
+  }
 }
 
 template <int D>

@@ -8,6 +8,11 @@ namespace {
 template <int D>
 void run_all(const PathScene<D>& scene, std::span<const PathTask<D>> tasks, PathResult<D>* results,
              PathCounters* counters) {
+  for (const PathTask<D>& task : tasks) {
+    prefetch(scene.elements + task.query.element);
+    prefetch(scene.hints + task.query.element);
+    prefetch(scene.component_of + task.query.element);
+  }
   GroupSearch<D> search(scene);
   for (std::size_t i = 0; i < tasks.size(); i += kPointGroup) {
     const std::size_t left = tasks.size() - i;

@@ -150,7 +150,8 @@ bool Search<D>::start(std::span<const Answer<D>> answers) {
   if (scene_.options.use_hints) {
     const Index hint = scene_.hints[query_.element];
     Index nearest = hint;
-    double least = hint != kNone ? candidates_.estimate(hint).squared_distance : kInfinity;
+    const double at_hint = hint != kNone ? candidates_.estimate(hint).squared_distance : kInfinity;
+    double least = at_hint;
     for (const Answer<D>& answer : answers) {
       const double squared_distance = (answer.point - query_.point).squaredNorm();
       if (!(squared_distance < least)) continue;
@@ -158,7 +159,7 @@ bool Search<D>::start(std::span<const Answer<D>> answers) {
       nearest = answer.face;
     }
     start_from(nearest);
-    start_from(hint);
+    if (at_hint < squared_bound()) start_from(hint);
   }
   if (best_squared_ == kInfinity) start_anywhere();
   return best_squared_ < kInfinity;
