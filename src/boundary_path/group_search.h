@@ -2,11 +2,18 @@
 
 #include "boundary_path/face_view.h"
 #include "boundary_path/search.h"
+#include "boundary_path/walk_bundle.h"
 
 #include <bit>
 
 namespace selvage {
 inline namespace SELVAGE_ISA {
+
+/// In the plane segments are followed one by one.
+struct NoBundle {
+  explicit NoBundle(const PathScene<2>&) {}
+  int elements_visited(int) const { return 0; }
+};
 
 /// The searches of up to sixteen queries that lie near each other.
 ///
@@ -18,7 +25,7 @@ inline namespace SELVAGE_ISA {
 template <int D>
 class GroupSearch {
  public:
-  explicit GroupSearch(const PathScene<D>& scene) : scene_(scene), nodes_(kRoom), faces_(kRoom) {}
+  explicit GroupSearch(const PathScene<D>& scene) : scene_(scene), bundle_(scene), nodes_(kRoom), faces_(kRoom) {}
 
   /// One result a task and, unless the pointer is null, one set of counters a task.
   void run(std::span<const PathTask<D>> tasks, PathResult<D>* results, PathCounters* counters);
@@ -57,6 +64,7 @@ class GroupSearch {
 
   static void prefetch_ends(const PathScene<D>& scene, std::span<const PathTask<D>> tasks);
   void place(int lane);
+  void start();
   void take_bound(int lane);
   void walk_down();
   void visit(Index place, Index lane);
@@ -67,6 +75,7 @@ class GroupSearch {
 
   const PathScene<D>& scene_;
   KernelVector<Search<D>> searches_;
+  std::conditional_t<D == 3, WalkBundle, NoBundle> bundle_;
   unsigned present_ = 0;                                   ///< lanes that look for something
   unsigned culling_ = 0;                                   ///< lanes that may pass over faces because of a neighbour
   alignas(64) float eye_[3][kWidth];                       ///< points in the frame, to the nearest float
@@ -93,11 +102,11 @@ void GroupSearch<D>::run(std::span<const PathTask<D>> tasks, PathResult<D>* resu
     present_ = culling_ = 0;
     for (int i = first; i < last; ++i) {
       searches_.emplace_back(scene_, tasks[i], counters != nullptr ? counters + i : nullptr);
-      if (!searches_[i].start({answers_, answer_count_})) continue;
+      if (!searches_[i].aim({answers_, answer_count_})) continue;
       present_ |= 1u << i;
       place(i);
-      take_bound(i);
     }
+    start();
     walk_down();
     for (std::size_t pair = 0; pair < faces_.count; pair += kWidth) look_at_faces(pair);
     for (int i = first; i < last; ++i) {
@@ -129,6 +138,28 @@ void GroupSearch<D>::place(int lane) {
   for (int i = 0; i < D; ++i) eye_[i][lane] = static_cast<float>(query.point[i] - scene_.frame.origin[i]);
   const bool bars = !searches_[lane].may_cull_towards_source();
   for (int i = 0; i < 2; ++i) sources_[i][lane] = std::bit_cast<float>(bars ? query.source[i] : kNone);
+}
+
+/// Finds a first path of each lane. Lanes that have none look for nothing any more.
+template <int D>
+void GroupSearch<D>::start() {
+  unsigned paths = 0;
+  if constexpr (D == 3) {
+    bundle_.clear();
+    for (unsigned rest = present_; rest != 0; rest &= rest - 1) {
+      const int lane = lowest_lane(rest);
+      if (const Candidate<3>* target = searches_[lane].target())
+        bundle_.add(lane, searches_[lane].query().element, *target);
+    }
+    paths = bundle_.follow(eye_);
+  }
+  for (unsigned rest = present_; rest != 0; rest &= rest - 1) {
+    const int lane = lowest_lane(rest);
+    if (searches_[lane].start((paths >> lane & 1) != 0 ? bundle_.elements_visited(lane) : 0))
+      take_bound(lane);
+    else
+      present_ &= ~(1u << lane);
+  }
 }
 
 template <int D>

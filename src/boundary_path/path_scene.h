@@ -64,6 +64,7 @@ struct PathScene {
   const std::uint8_t* inverted_owner;     ///< per boundary face: its owner is inverted or flat
   std::span<const BvhNode> defect_nodes;  ///< hierarchy over `defects`
   const Defect* defects;
+  bool is_oriented;  ///< as PathTopology
   PathOptions options;
 };
 

@@ -29,9 +29,17 @@ class Search {
   Search(const PathScene<D>& scene, const PathTask<D>& task, PathCounters* counters)
       : scene_(scene), task_(task), query_(task.query), counters_(counters), candidates_(scene, query_.point) {}
 
-  /// Looks for a first path: from the warm start, from answers to other queries, near in the mesh, and last anywhere.
-  /// False when there is none, or the point does not lie in its element.
-  bool start(std::span<const Answer<D>> answers);
+  /// Looks for a first candidate: from the warm start, from answers to other queries, near in the mesh. False when the
+  /// point does not lie in its element.
+  bool aim(std::span<const Answer<D>> answers);
+
+  /// The one that aim() found, where its segment may be followed in a WalkBundle; else null, or it has been tested.
+  const Candidate<D>* target() const { return is_aiming_ ? &target_ : nullptr; }
+
+  /// Goes on until there is a path: from the target's, from near in the mesh, and last anywhere. False when there is
+  /// none.
+  /// @param elements_visited  by the segment to the target, when it is known to be a path
+  bool start(int elements_visited);
 
   /// Tests a face unless it is known to be no answer. With `follow` goes on to neighbours that come closer.
   void consider(Index face, bool follow = false);
@@ -59,6 +67,7 @@ class Search {
   static constexpr double kLeftAtError = 1e-6;
 
   bool locate();
+  bool may_postpone(const Candidate<D>& candidate) const;
   void set_safe_distance(bool own);
   void start_from(Index face);
   void start_anywhere();
@@ -96,6 +105,10 @@ class Search {
   /// No path up to this long can meet a defect: theorems 1 and 2 hold for it. 0 where they never do.
   double safe_distance_ = 0;
   double defect_distance_ = 0;  ///< the same, but for p's own position on the boundary
+
+  bool is_aiming_ = false;
+  Candidate<D> target_;
+  double at_hint_ = kInfinity;  ///< squared distance of a vertex of the face that is near in the mesh
 
   Candidate<D> best_;
   double best_squared_ = kInfinity;
@@ -144,25 +157,54 @@ void Search<D>::start_from(Index face) {
 }
 
 template <int D>
-bool Search<D>::start(std::span<const Answer<D>> answers) {
+bool Search<D>::aim(std::span<const Answer<D>> answers) {
   if (!locate()) return false;
-  start_from(task_.warm_start);
+  Index nearest = task_.warm_start;
   if (scene_.options.use_hints) {
     const Index hint = scene_.hints[query_.element];
-    Index nearest = hint;
-    const double at_hint = hint != kNone ? candidates_.estimate(hint).squared_distance : kInfinity;
-    double least = at_hint;
+    if (hint != kNone)
+      for (const Index v : scene_.face_stars[hint].vertices)
+        at_hint_ = std::min(at_hint_, (scene_.positions[v] - query_.point).squaredNorm());
+    double least = at_hint_;
+    if (nearest == kNone) nearest = hint;
     for (const Answer<D>& answer : answers) {
       const double squared_distance = (answer.point - query_.point).squaredNorm();
-      if (!(squared_distance < least)) continue;
+      if (task_.warm_start != kNone || !(squared_distance < least)) continue;
       least = squared_distance;
       nearest = answer.face;
     }
-    start_from(nearest);
-    if (at_hint < squared_bound()) start_from(hint);
   }
+  is_aiming_ = true;
+  consider(nearest, true);
+  is_aiming_ = target_.face != kNone;
+  return true;
+}
+
+template <int D>
+bool Search<D>::start(int elements_visited) {
+  if (is_aiming_) {
+    is_aiming_ = false;
+    if (elements_visited > 0) {
+      if (counters_ != nullptr) {
+        ++counters_->traversals;
+        counters_->elements_visited += elements_visited;
+      }
+      accept(target_);
+    } else {
+      test(target_);
+    }
+  }
+  start_from(left_through_);
+  if (at_hint_ < squared_bound()) start_from(scene_.hints[query_.element]);
   if (best_squared_ == kInfinity) start_anywhere();
   return best_squared_ < kInfinity;
+}
+
+/// Whether the candidate's segment may be followed in a WalkBundle, with others.
+template <int D>
+bool Search<D>::may_postpone(const Candidate<D>& candidate) const {
+  if (D == 2 || !scene_.is_oriented || !strictly_inside_ || state_ == ComponentState::kInverted) return false;
+  return !is_split(scene_, candidate) && !Walk<D>(scene_, query_, strictly_inside_, nullptr).starts_at(candidate);
 }
 
 /// Near to far, until some path is found.
@@ -336,6 +378,10 @@ void Search<D>::test_touching(const Candidate<D>& candidate) {
 
 template <int D>
 void Search<D>::test(const Candidate<D>& candidate) {
+  if (is_aiming_ && may_postpone(candidate)) {
+    target_ = candidate;
+    return;
+  }
   const Walk<D> walk(scene_, query_, strictly_inside_, counters_);
   const double distance = std::sqrt(candidate.squared_distance);
   WalkResult result;
@@ -363,6 +409,7 @@ void Search<D>::accept(const Candidate<D>& candidate) {
 /// one.
 template <int D>
 void Search<D>::settle() {
+  if (scene_.options.cull_infeasible_regions) return;  // then it has been asked already
   constexpr int kMostSteps = 16;
   for (int step = 0; step < kMostSteps; ++step) {
     const Index closer = closer_neighbour(best_);

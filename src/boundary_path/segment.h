@@ -17,23 +17,27 @@ inline constexpr double kUnitRoundoff = 0x1p-53;
 /// Results below this may have lost digits to underflow and are never trusted.
 inline constexpr double kTrustAbove = 0x1p-900;
 
-/// Position of an index among others, or their number. Ours, not the standard library's: a copy of a standard template
-/// compiled for one instruction set must not be linked into code for another.
-template <typename Range>
-inline int position_of(const Range& range, Index value) {
-  int i = 0;
-  for (const Index item : range) {
-    if (item == value) break;
-    ++i;
-  }
-  return i;
+/// Whether an index is among others. Ours, not the standard library's: a copy of a standard template compiled for one
+/// instruction set must not be linked into code for another. No branch for a few: nobody can foretell it.
+template <std::size_t N>
+SELVAGE_INLINE bool contains(const std::array<Index, N>& some, Index value) {
+  bool found = false;
+  for (std::size_t i = 0; i < N; ++i) found |= some[i] == value;
+  return found;
 }
-
 template <typename Range>
 inline bool contains(const Range& range, Index value) {
   for (const Index item : range)
     if (item == value) return true;
   return false;
+}
+
+/// Where an index is that is among a few others.
+template <std::size_t N>
+SELVAGE_INLINE int position_in(const std::array<Index, N>& some, Index value) {
+  int position = 0;
+  for (std::size_t i = 1; i < N; ++i) position += some[i] == value ? static_cast<int>(i) : 0;
+  return position;
 }
 
 /// Heap memory for containers that belong to this instruction set alone.
@@ -95,7 +99,10 @@ class Segment {
     for (int i = 1; i < D; ++i)
       if (std::abs(candidate.direction[i]) > std::abs(candidate.direction[axis_])) axis_ = i;
     const double main = candidate.direction[axis_];
-    for (int k = 0; k < D - 1; ++k) shear_[k] = candidate.direction[other(k)] / main;
+    for (int k = 0; k < D - 1; ++k) {
+      other_[k] = (axis_ + 1 + k) % D;
+      shear_[k] = candidate.direction[other_[k]] / main;
+    }
     const double relative_error = candidate.direction_error / std::abs(main);
     // First-order bound; where it is not small nothing is certain.
     shear_error_ = relative_error < 1e-3 ? 16 * relative_error + 96 * kUnitRoundoff : HUGE_VAL;
@@ -114,7 +121,7 @@ class Segment {
       s.reach = std::max(s.reach, std::abs(relative[i]));
     }
     s.along = relative[axis_];
-    for (int k = 0; k < D - 1; ++k) s.across[k] = relative[other(k)] - shear_[k] * s.along;
+    for (int k = 0; k < D - 1; ++k) s.across[k] = relative[other_[k]] - shear_[k] * s.along;
     s.vertex = vertex;
     return s;
   }
@@ -235,14 +242,13 @@ class Segment {
     if (candidate_.target.count == 1) return a == ids[0] || b == ids[0];
     return candidate_.target.count == 2 && ((a == ids[0] && b == ids[1]) || (a == ids[1] && b == ids[0]));
   }
-  int other(int k) const { return (axis_ + 1 + k) % D; }
 
   const PathScene<D>& scene_;
   const Vec<D>& p_;
   const Candidate<D>& candidate_;
   ExactSegment<D> exact_;
   std::int64_t* exact_decisions_;
-  int axis_ = 0;
+  int axis_ = 0, other_[D - 1];
   double shear_[D - 1];
   double shear_error_;  ///< bounds the error of area() (3D) or `across` (2D) relative to the reaches
   double end_;          ///< `along` of s

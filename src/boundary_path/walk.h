@@ -53,6 +53,11 @@ class Walk {
   /// it leaves the mesh, to learn where.
   WalkResult follow(const Candidate<D>& candidate, bool go_on) const;
 
+  /// Whether p's own element has the candidate: then there is nothing to follow.
+  bool starts_at(const Candidate<D>& candidate) const {
+    return contains_target(query_.element, candidate) && is_at_corner(query_.element, candidate);
+  }
+
   /// For components with inverted or flat elements: the rules of SPB section 3.5. Starts at s, may run backwards, does
   /// not stop at p, gives up past twice the distance.
   bool follow_backwards(const Candidate<D>& candidate) const;
@@ -178,14 +183,14 @@ bool Walk<D>::pass_gate(const Segment<D>& segment, Index next, Gate& gate) const
     const int a = segment.side(gate.corners[0], apex), b = segment.side(gate.corners[1], apex),
               c = segment.side(gate.corners[2], apex);
     if (a == 0 || b == 0 || c == 0) return false;
-    behind = a < 0 && b > 0 ? 2 : b < 0 && c > 0 ? 0 : 1;
+    behind = 1 + ((a < 0) & (b > 0)) - ((b < 0) & (c > 0));  // without a branch: nobody can foretell it
   } else {
     const int side = segment.side(apex);
     if (side == 0) return false;
     behind = side > 0 ? 1 : 0;
   }
   gate.element = element;
-  gate.face = position_of(vertices, gate.corners[behind].vertex);
+  gate.face = position_in(vertices, gate.corners[behind].vertex);
   gate.corners[behind] = apex;
   return true;
 }
@@ -194,7 +199,7 @@ template <int D>
 WalkResult Walk<D>::follow(const Candidate<D>& candidate, bool go_on) const {
   if (counters_ != nullptr) ++counters_->traversals;
   count_element();
-  if (contains_target(query_.element, candidate) && is_at_corner(query_.element, candidate)) return {true};
+  if (starts_at(candidate)) return {true};
   const Segment<D> segment(scene_, query_.point, candidate,
                            counters_ != nullptr ? &counters_->exact_decisions : nullptr);
   Gate gate;
