@@ -85,16 +85,18 @@ inline CandidateFactory<3>::Estimate CandidateFactory<3>::estimate(Index face) c
     subtract(scene_.positions[ids[(i + 2) % 3]], scene_.positions[ids[(i + 1) % 3]], e[i]);
   }
   // forward[i]: along edge i from its first end a = i+1; negative while it comes closer. backward[i]: at its last end.
+  const double size[3] = {largest(v[0]), largest(v[1]), largest(v[2])};
   double forward[3], backward[3];
   bool forward_unsure[3], backward_unsure[3];
   for (int i = 0; i < 3; ++i) {
-    const double *a = v[(i + 1) % 3], *b = v[(i + 2) % 3];
-    forward[i] = dot(a, e[i]);
-    backward[i] = dot(b, e[i]);
-    forward_unsure[i] = !(std::abs(forward[i]) > 8 * kUnitRoundoff * absolute_dot(a, e[i]) + kTrustAbove);
-    backward_unsure[i] = !(std::abs(backward[i]) > 8 * kUnitRoundoff * absolute_dot(b, e[i]) + kTrustAbove);
+    const int a = (i + 1) % 3, b = (i + 2) % 3;
+    forward[i] = dot(v[a], e[i]);
+    backward[i] = dot(v[b], e[i]);
+    const double unit = 24 * kUnitRoundoff * largest(e[i]);
+    forward_unsure[i] = !(std::abs(forward[i]) > unit * size[a] + kTrustAbove);
+    backward_unsure[i] = !(std::abs(backward[i]) > unit * size[b] + kTrustAbove);
   }
-  const double error = kEstimateError * std::max(std::max(largest(v[0]), largest(v[1])), largest(v[2]));
+  const double error = kEstimateError * std::max(std::max(size[0], size[1]), size[2]);
   // A region whose own inequalities are certain is the right one, whatever the others say.
   for (int i = 0; i < 3; ++i) {
     const int out = (i + 2) % 3, in = (i + 1) % 3;  // the edges that leave and enter vertex i

@@ -164,15 +164,16 @@ std::vector<Index> BoundaryPathFinder<D>::State::order_in_groups(std::span<const
 /// Area-weighted over the faces of the feature at this corner of the material; where they cancel, the face's own.
 template <int D>
 Vec<D> BoundaryPathFinder<D>::State::normal_at(Index face, const PathResult<D>& result) const {
+  const auto normal_of = [&](Index f) { return face_normal(pose.positions(), topology.face_stars[f].vertices); };
   Vec<D> normal = Vec<D>::Zero();
   double total = 0;
   visit_feature<D>(mesh.boundary_faces().data(), mesh.boundary_neighbours().data(), face, result.target_vertices,
                    result.target_count, [&](Index other) {
-                     const Vec<D> part = face_normal(pose.positions(), mesh.boundary_faces()[other]);
+                     const Vec<D> part = normal_of(other);
                      normal += part;
                      total += part.norm();
                    });
-  if (!(normal.norm() > 1e-12 * total)) normal = face_normal(pose.positions(), mesh.boundary_faces()[face]);
+  if (!(normal.norm() > 1e-12 * total)) normal = normal_of(face);
   const double length = length_of(normal);
   return length > 0 ? Vec<D>(normal / length) : normal;
 }
@@ -188,7 +189,7 @@ BoundaryPath<D> BoundaryPathFinder<D>::State::describe(const PathTask<D>& task, 
   constexpr BoundaryFeature kFeatures[] = {BoundaryFeature::kVertex, BoundaryFeature::kEdge, BoundaryFeature::kFace};
   path.feature = result.target_count == D ? BoundaryFeature::kFace : kFeatures[result.target_count - 1];
   path.face = result.face;
-  const auto& ids = mesh.boundary_faces()[result.face];
+  const auto& ids = topology.face_stars[result.face].vertices;
   for (int i = 0; i < result.target_count; ++i)
     path.barycentric[std::find(ids.begin(), ids.end(), result.target_vertices[i]) - ids.begin()] =
         result.barycentric[i];

@@ -158,13 +158,13 @@ void Search<D>::start_from(Index face) {
 
 template <int D>
 bool Search<D>::aim(std::span<const Answer<D>> answers) {
+  const Index hint = scene_.options.use_hints ? scene_.hints[query_.element] : kNone;
+  if (hint != kNone)
+    for (const Index v : scene_.face_stars[hint].vertices)
+      at_hint_ = std::min(at_hint_, (scene_.positions[v] - query_.point).squaredNorm());
   if (!locate()) return false;
   Index nearest = task_.warm_start;
   if (scene_.options.use_hints) {
-    const Index hint = scene_.hints[query_.element];
-    if (hint != kNone)
-      for (const Index v : scene_.face_stars[hint].vertices)
-        at_hint_ = std::min(at_hint_, (scene_.positions[v] - query_.point).squaredNorm());
     double least = at_hint_;
     if (nearest == kNone) nearest = hint;
     for (const Answer<D>& answer : answers) {
@@ -236,12 +236,13 @@ PathResult<D> Search<D>::finish() {
   return result;
 }
 
-/// How far p is from the nearest defect of its component. The rules for inverted elements look along the line up to
-/// twice a candidate's distance beyond it: three times that distance from p.
+/// How far p is from the nearest defect of its component, unless that is far beyond any answer. The rules for inverted
+/// elements look along the line up to twice a candidate's distance beyond it: three times that distance from p.
 template <int D>
 void Search<D>::set_safe_distance(bool own) {
   const Box box = scene_.frame.around_point(query_.point);
-  float nearest = std::numeric_limits<float>::infinity();
+  constexpr double kFarBeyond = 8;
+  float nearest = round_up(kFarBeyond * kFarBeyond * at_hint_);
   visit_nearest(scene_.defect_nodes, box, nearest, [&](Index defect, float squared_distance) {
     if (scene_.defects[defect].component == component_ && squared_distance < nearest) nearest = squared_distance;
     return nearest;
