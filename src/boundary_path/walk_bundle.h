@@ -63,8 +63,8 @@ class WalkBundle {
   Index goal_[kLanes], goal_vertices_[2][kLanes];  ///< the owner of the target, or what an element there must have
   Vector16 eye_, across_[2];                       ///< directions across the segments
   alignas(64) float across_rows_[2][3][kLanes] = {};
-  alignas(64) float corners_[3][3][kLanes];  ///< of the gates, each as a Shadows
-  Index vertices_[3][kLanes];                ///< of the gates
+  alignas(64) float corners_[3][3][kLanes] = {};  ///< of the gates, each as a Shadows
+  Index vertices_[3][kLanes];                     ///< of the gates
   alignas(64) Index apexes_[4][kLanes] = {};
 };
 
@@ -73,7 +73,7 @@ inline void WalkBundle::add(int lane, Index element, const Candidate<3>& candida
   int axis = 0;
   for (int i = 1; i < 3; ++i)
     if (std::abs(d[i]) > std::abs(d[axis])) axis = i;
-  if (!(candidate.direction_error < kUnitRoundoff * 0x1p29 * std::abs(d[axis]))) return;
+  if (!(candidate.direction_error < 0x1p-24 * std::abs(d[axis]))) return;
   const double sign = candidate.offset[axis] < 0 ? -1 : 1;
   const int other[2] = {(axis + 1) % 3, (axis + 2) % 3};
   for (int k = 0; k < 2; ++k) {
