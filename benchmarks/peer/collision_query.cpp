@@ -8,6 +8,15 @@ namespace selvage::bench {
 
 namespace {
 
+template <typename Counters>
+void add_work(CollisionWork& work, const Counters& counters) {
+  work.node_pairs += counters.node_pairs;
+  work.self_node_pairs += counters.self_node_pairs;
+  work.tested_nodes += counters.tested_nodes;
+  work.box_pairs += counters.box_pairs;
+  work.exact_tests += counters.exact_tests;
+}
+
 class DiscreteQuery : public CollisionQuery {
  public:
   DiscreteQuery(const CollisionSubject& subject, SelfCollisionOptions options)
@@ -23,9 +32,7 @@ class DiscreteQuery : public CollisionQuery {
     SelfCollisionCounters counters;
     FoundPairs found;
     for (const TrianglePair& p : finder_.find_pairs(&counters)) found.triangles.emplace_back(p.first, p.second);
-    work.node_pairs += counters.node_pairs;
-    work.box_pairs += counters.box_pairs;
-    work.exact_tests += counters.exact_tests;
+    add_work(work, counters);
     return found;
   }
 
@@ -51,9 +58,7 @@ class ContinuousQuery : public CollisionQuery {
     FoundPairs found;
     for (const VertexFacePair& p : pairs.vertex_face) found.vertex_face.emplace_back(p.vertex, p.face);
     for (const EdgeEdgePair& p : pairs.edge_edge) found.edge_edge.emplace_back(p.first, p.second);
-    work.node_pairs += counters.node_pairs;
-    work.box_pairs += counters.box_pairs;
-    work.exact_tests += counters.exact_tests;
+    add_work(work, counters);
     return found;
   }
 
@@ -70,19 +75,27 @@ std::int64_t count_difference(const std::vector<IndexPair>& pairs, const std::ve
 
 }  // namespace
 
-std::int64_t FoundPairs::count() const {
-  return std::ssize(triangles) + std::ssize(vertex_face) + std::ssize(edge_edge);
+PairCount& PairCount::operator+=(const PairCount& other) {
+  triangles += other.triangles;
+  vertex_face += other.vertex_face;
+  edge_edge += other.edge_edge;
+  return *this;
 }
 
-std::int64_t FoundPairs::count_missing_in(const FoundPairs& others) const {
-  return count_difference(triangles, others.triangles) + count_difference(vertex_face, others.vertex_face) +
-         count_difference(edge_edge, others.edge_edge);
+PairCount FoundPairs::count() const {
+  return {std::ssize(triangles), std::ssize(vertex_face), std::ssize(edge_edge)};
+}
+
+PairCount FoundPairs::count_missing_in(const FoundPairs& others) const {
+  return {count_difference(triangles, others.triangles), count_difference(vertex_face, others.vertex_face),
+          count_difference(edge_edge, others.edge_edge)};
 }
 
 std::unique_ptr<CollisionQuery> CollisionQuery::make(QueryKind kind, const CollisionSubject& subject,
                                                      const std::string& method) {
   SelfCollisionOptions options;
-  options.method = culling_method(method);
+  options.simple_traversal = method == kSimpleTraversal;
+  options.method = options.simple_traversal ? CullingMethod::kEnhancedDualConePublished : culling_method(method);
   if (kind == QueryKind::kContinuous) return std::make_unique<ContinuousQuery>(subject, std::move(options));
   return std::make_unique<DiscreteQuery>(subject, std::move(options));
 }

@@ -1,5 +1,6 @@
 #include "peer/collision_report.h"
 
+#include "peer/collision_tables.h"
 #include "peer/json_file.h"
 
 #include <fmt/format.h>
@@ -11,6 +12,10 @@ namespace {
 /// A ratio, or nothing where it was not measured.
 std::string times(double ratio) {
   return ratio == 0 ? "" : fmt::format("{:.2f}", ratio);
+}
+
+nlohmann::json to_json(const PairCount& count) {
+  return {{"triangles", count.triangles}, {"vertex_face", count.vertex_face}, {"edge_edge", count.edge_edge}};
 }
 
 nlohmann::json known(const Duration& ratio) {
@@ -35,8 +40,9 @@ void CollisionReport::print_time_header() const {
 }
 
 void CollisionReport::add(CollisionCount c) {
-  fmt::print(table_, "  {:<28}{:>9}{:>9}{:>9}{:>9}{:>10} | {:>11}{:>12}{:>10}\n", c.method, c.triangle_pairs,
-             c.vertex_face, c.edge_edge, c.missed, c.invented, c.node_pairs, c.box_pairs, c.exact_tests);
+  fmt::print(table_, "  {:<28}{:>9}{:>9}{:>9}{:>9}{:>10} | {:>11}{:>12}{:>10}\n", c.method, c.pairs.triangles,
+             c.pairs.vertex_face, c.pairs.edge_edge, c.missed.sum(), c.invented.sum(), c.work.node_pairs,
+             c.work.box_pairs, c.work.exact_tests);
   std::fflush(table_);
   counts_.push_back(std::move(c));
 }
@@ -72,6 +78,10 @@ void CollisionReport::add(Growth g) {
   growths_.push_back(std::move(g));
 }
 
+void CollisionReport::print_tables() const {
+  print_collision_tables(table_, counts_, times_);
+}
+
 void CollisionReport::write_json(const std::filesystem::path& path) const {
   nlohmann::json json = {{"schema", 1}, {"benchmark", "self-collision"}};
   for (const CollisionCount& c : counts_)
@@ -80,14 +90,14 @@ void CollisionReport::write_json(const std::filesystem::path& path) const {
                               {"method", c.method},
                               {"triangles", c.triangles},
                               {"frames", c.frames},
-                              {"triangle_pairs", c.triangle_pairs},
-                              {"vertex_face", c.vertex_face},
-                              {"edge_edge", c.edge_edge},
-                              {"missed", c.missed},
-                              {"invented", c.invented},
-                              {"node_pairs", c.node_pairs},
-                              {"box_pairs", c.box_pairs},
-                              {"exact_tests", c.exact_tests}});
+                              {"pairs", to_json(c.pairs)},
+                              {"missed", to_json(c.missed)},
+                              {"invented", to_json(c.invented)},
+                              {"node_pairs", c.work.node_pairs},
+                              {"self_node_pairs", c.work.self_node_pairs},
+                              {"tested_nodes", c.work.tested_nodes},
+                              {"box_pairs", c.work.box_pairs},
+                              {"exact_tests", c.work.exact_tests}});
   for (const CollisionTime& t : times_)
     json["methods"].push_back({{"mesh", t.mesh},
                                {"kind", t.kind},

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "peer/collision_query.h"
 #include "peer/rounds.h"
 
 #include <cstdint>
@@ -12,10 +13,10 @@ namespace selvage::bench {
 struct CollisionCount {
   std::string mesh, kind, method;
   std::int64_t triangles = 0, frames = 0;
-  std::int64_t triangle_pairs = 0, vertex_face = 0, edge_edge = 0;  ///< as the kind has them
-  std::int64_t missed = 0;                                          ///< of the pairs that the hierarchy alone finds
-  std::int64_t invented = 0;                                        ///< pairs that it does not find
-  std::int64_t node_pairs = 0, box_pairs = 0, exact_tests = 0;
+  PairCount pairs{};     ///< as the kind has them
+  PairCount missed{};    ///< of the pairs that the hierarchy alone finds
+  PairCount invented{};  ///< pairs that it does not find
+  CollisionWork work{};
 };
 
 /// What a method takes for one frame: refit and all pairs.
@@ -52,7 +53,7 @@ struct Growth {
   double relative = 0;  ///< processor time by n log n + pairs, over that of the smallest surface
 };
 
-/// Prints each entry as it comes, and keeps it.
+/// Prints each entry as it comes, and keeps it for EDC's tables and the JSON.
 class CollisionReport {
  public:
   explicit CollisionReport(std::FILE* table) : table_(table) {}
@@ -64,6 +65,9 @@ class CollisionReport {
   void add(PeerTime time);
   void add(PeerAgreement agreement);
   void add(Growth growth);
+
+  /// Prints the tables of EDC of all that came.
+  void print_tables() const;
 
   /// @param path  "-": standard output
   void write_json(const std::filesystem::path& path) const;

@@ -95,6 +95,7 @@ void bench_self_collision(const Arguments& arguments, const CollisionArguments& 
   }
   if (wanted.empty() && arguments.meshes.empty() && !arguments.quick)
     measure_self_collision({"crumple", 1'000'000, 4}, plan, report);
+  report.print_tables();
   if (!collision.without_growth) {
     std::vector<std::int64_t> sizes{16'000, 64'000, 250'000, 1'000'000};
     if (arguments.quick) sizes.resize(2);

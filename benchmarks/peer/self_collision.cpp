@@ -44,7 +44,7 @@ class Measurement {
         ours_(default_method()) {
     for (const std::string_view name : culling_method_names())
       if (plan.methods.empty()) methods_.emplace_back(name);
-    if (kind == QueryKind::kContinuous) methods_ = {"bvh"};  // the one there is
+    if (plan.methods.empty()) methods_.emplace_back(kSimpleTraversal);
     if (!has_method(ours_)) ours_ = methods_.back();
     if (!plan.with_peers || kind != QueryKind::kDiscrete) return;
     peers_ = {kRefitted, kRebuilt, kMorton};
@@ -91,24 +91,18 @@ void Measurement::count_pairs() {
   const auto bvh = CollisionQuery::make(kind_, subject_, "bvh");
   for (int i = 0; i < frames_; ++i) {
     truth_.push_back(bvh->find(i, unused));
-    pair_count_ += truth_.back().count();
+    pair_count_ += truth_.back().count().sum();
   }
   report_.print_count_header();
   for (const std::string& method : methods_) {
     CollisionCount count{subject_.name(), name_of(kind_), method, subject_.mesh().triangle_count(), frames_};
     const auto query = CollisionQuery::make(kind_, subject_, method);
-    CollisionWork work;
     for (int i = 0; i < frames_; ++i) {
-      const FoundPairs found = query->find(i, work);
-      count.triangle_pairs += std::ssize(found.triangles);
-      count.vertex_face += std::ssize(found.vertex_face);
-      count.edge_edge += std::ssize(found.edge_edge);
+      const FoundPairs found = query->find(i, count.work);
+      count.pairs += found.count();
       count.missed += truth_[i].count_missing_in(found);
       count.invented += found.count_missing_in(truth_[i]);
     }
-    count.node_pairs = work.node_pairs;
-    count.box_pairs = work.box_pairs;
-    count.exact_tests = work.exact_tests;
     report_.add(count);
   }
 }
@@ -133,9 +127,9 @@ PeerAgreement Measurement::compare(const std::string& peer) const {
     }
     agreement.adjacent += static_cast<std::int64_t>(std::erase_if(theirs.triangles, shares_vertex));
     std::sort(theirs.triangles.begin(), theirs.triangles.end());
-    agreement.pairs += theirs.count();
-    agreement.only_theirs += theirs.count_missing_in(truth_[i]);
-    agreement.only_ours += truth_[i].count_missing_in(theirs);
+    agreement.pairs += theirs.count().sum();
+    agreement.only_theirs += theirs.count_missing_in(truth_[i]).sum();
+    agreement.only_ours += truth_[i].count_missing_in(theirs).sum();
   }
   return agreement;
 }

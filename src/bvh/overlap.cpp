@@ -23,13 +23,16 @@ PairWork split_work(const Bvh& a, const Bvh& b, std::size_t wanted, const std::f
   const auto add = [&](std::vector<NodePair>& pieces, NodePair pair) {
     if (!keep || keep(pair)) pieces.push_back(pair);
   };
-  add(work.pieces, {0, 0});
+  add(work.pieces, kRoots);
   while (!work.pieces.empty() && work.pieces.size() < wanted) {
     std::vector<NodePair> smaller;
-    for (const NodePair& piece : work.pieces)
+    for (const NodePair& piece : work.pieces) {
+      ++work.compared;
+      work.compared_selves += kSelf && piece.a == piece.b;
       traversal::compare_children<kSelf>(
           a.nodes(), b.nodes(), piece, [&](NodePair pair) { add(smaller, pair); },
-          [&](const PrimitiveRow& row) { traversal::visit_row(a.nodes(), b.nodes(), row, visit); });
+          [&](const PrimitivePairs& pairs) { traversal::visit_each(a.nodes(), b.nodes(), pairs, visit); });
+    }
     work.pieces = std::move(smaller);
   }
   return work;

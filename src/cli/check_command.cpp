@@ -18,7 +18,7 @@ namespace {
 struct CheckOptions {
   CommonOptions common;
   std::string mesh, end_mesh, method = "auto", vtu;
-  bool adjacent = false;
+  bool adjacent = false, segments = false;
 };
 
 constexpr const char* kExample =
@@ -28,7 +28,10 @@ constexpr const char* kExample =
     "Exit status 1: there are collisions. In JSON, `triangle_pairs` are pairs of numbers of triangles, from 0, in the\n"
     "order of the file; of a tetrahedral mesh, in the order of `triangles`, which lists their vertices. `contacts` "
     "says\n"
-    "of each pair whether it is crossing, touching or a coplanar overlap. The .vtu file holds the surface with the\n"
+    "of each pair whether it is crossing, touching or a coplanar overlap. With --segments, `segments` has for each "
+    "pair\n"
+    "the ends of what both triangles have in common, or null where they overlap in one plane. The .vtu file holds the "
+    "surface with the\n"
     "number of each triangle's pairs in `collisions`.\n"
     "With --to, `vertex_face` are pairs of a vertex and a triangle, `edge_edge` the vertices of two edges, and\n"
     "`free_step` is the largest fraction of the step without collisions.";
@@ -60,6 +63,7 @@ CollisionReport find_collisions(const CheckOptions& options, const MeshFile& fil
   report.mesh = options.mesh;
   report.end_mesh = options.end_mesh;
   report.method = options.method;
+  report.has_segments = options.segments;
   report.solid = !file.tetrahedra.empty();
   report.positions = file.positions;
   report.triangles = surface_of(file);
@@ -70,18 +74,25 @@ CollisionReport find_collisions(const CheckOptions& options, const MeshFile& fil
   asked.method = culling_method(options.method);
   asked.include_adjacent = options.adjacent;
   ProgressBar bar("collisions", options.common.quiet);
-  bar.show(0);
   if (options.end_mesh.empty()) {
     const SelfCollisionFinder finder(mesh, file.positions, std::move(asked));
     watch.lap("hierarchy");
+    bar.show(0.3, "looking for pairs");
     report.pairs = finder.find_pairs(&report.counters);
     watch.lap("pairs");
+    if (options.segments) {
+      bar.show(0.8, "segments");
+      report.segments = finder.find_segments(report.pairs);
+      watch.lap("segments");
+    }
     return report;
   }
   const ContinuousCollisionFinder finder(mesh, file.positions, end, std::move(asked));
   watch.lap("hierarchy");
+  bar.show(0.2, "looking for pairs");
   report.moving_pairs = finder.find_pairs(&report.moving_counters);
   watch.lap("pairs");
+  bar.show(0.8, "times of impact");
   report.free_step = finder.find_free_step(report.moving_pairs);
   watch.lap("impact");
   return report;
@@ -98,6 +109,8 @@ int run_check(const CheckOptions& options) {
   outputs.expect(options.vtu, inputs);
   if (options.adjacent && !options.end_mesh.empty())
     throw Error("--adjacent", "says nothing about a step", "leave it out, or --to");
+  if (options.segments && !options.end_mesh.empty())
+    throw Error("--segments", "says nothing about a step", "leave it out, or --to");
   if (!options.vtu.empty() && std::filesystem::path(options.vtu).extension() != ".vtu")
     throw Error(options.vtu, "--vtu writes .vtu files only", "give it that extension");
   const MeshFile file = read_mesh(options.mesh);
@@ -135,6 +148,8 @@ Command add_check(CLI::App& app) {
       ->type_name("NAME");
   sub->add_flag("--adjacent", options->adjacent,
                 "Also triangles that share a vertex or an edge and meet anywhere else");
+  sub->add_flag("--segments", options->segments,
+                "In JSON also what the triangles of each pair have in common: the two ends of a segment");
   sub->add_option("--vtu", options->vtu, "Write the surface with the colliding triangles marked, for ParaView")
       ->type_name("FILE.vtu");
   return {sub, &options->common, [options] { return run_check(*options); }};

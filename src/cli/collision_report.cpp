@@ -97,7 +97,9 @@ std::string print_kinds(const CollisionReport& report) {
 Json statistics_json(const CollisionReport& report, const SelfCollisionCounters& c) {
   return {{"triangles", report.triangles.size()}, {"pairs", report.pairs.size()},
           {"node_pairs", c.node_pairs},           {"box_pairs", c.box_pairs},
-          {"adjacent_pairs", c.adjacent_pairs},   {"exact_tests", c.exact_tests}};
+          {"adjacent_pairs", c.adjacent_pairs},   {"tested_nodes", c.tested_nodes},
+          {"cleared_nodes", c.cleared_nodes},     {"cleared_triangles", c.cleared_triangles},
+          {"exact_tests", c.exact_tests}};
 }
 
 Json statistics_json(const CollisionReport& report, const ContinuousCounters& c) {
@@ -108,6 +110,7 @@ Json statistics_json(const CollisionReport& report, const ContinuousCounters& c)
           {"box_pairs", c.box_pairs},
           {"vertex_face_boxes", c.vertex_face_boxes},
           {"edge_edge_boxes", c.edge_edge_boxes},
+          {"tested_nodes", c.tested_nodes},
           {"cleared_nodes", c.cleared_nodes},
           {"cleared_triangles", c.cleared_triangles},
           {"exact_tests", c.exact_tests}};
@@ -120,6 +123,17 @@ std::string print_triangle_pairs(const CollisionReport& report) {
              [](auto out, const TrianglePair& pair) { fmt::format_to(out, "[{},{}]", pair.first, pair.second); }) +
          ",\n \"contacts\": " + print_list(report.pairs, [](auto out, const TrianglePair& pair) {
            fmt::format_to(out, "\"{}\"", contact_name(pair.contact));
+         });
+}
+
+std::string print_segments(const CollisionReport& report) {
+  return ",\n \"segments\": " + print_list(report.segments, [](auto out, const CommonSegment& segment) {
+           if (!segment) {
+             fmt::format_to(out, "null");
+             return;
+           }
+           const auto& [p, q] = *segment;
+           fmt::format_to(out, "[[{},{},{}],[{},{},{}]]", p[0], p[1], p[2], q[0], q[1], q[2]);
          });
 }
 
@@ -155,6 +169,7 @@ std::string print_json(const CollisionReport& report, const Stopwatch& watch) {
               fmt::format_to(out, "[{},{},{}]", t[0], t[1], t[2]);
             });
   text += moves ? print_moving_pairs(report) : print_triangle_pairs(report);
+  if (report.has_segments) text += print_segments(report);
   return text + "," + tail.dump(1).substr(1) + "\n";
 }
 

@@ -17,6 +17,8 @@ struct CollisionReport {
   std::vector<VertexTuple<2>> edges;
 
   std::vector<TrianglePair> pairs;  ///< in one pose
+  bool has_segments = false;
+  std::vector<CommonSegment> segments;  ///< of the pairs, where asked for
   SelfCollisionCounters counters;
 
   ContinuousPairs moving_pairs;  ///< during a step

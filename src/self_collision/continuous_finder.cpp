@@ -49,9 +49,11 @@ std::vector<double> impact_times(std::span<const Pair> pairs, Impact&& impact) {
 
 ContinuousCounters& ContinuousCounters::operator+=(const ContinuousCounters& other) {
   node_pairs += other.node_pairs;
+  self_node_pairs += other.self_node_pairs;
   box_pairs += other.box_pairs;
   vertex_face_boxes += other.vertex_face_boxes;
   edge_edge_boxes += other.edge_edge_boxes;
+  tested_nodes += other.tested_nodes;
   cleared_nodes += other.cleared_nodes;
   cleared_triangles += other.cleared_triangles;
   exact_tests += other.exact_tests;
@@ -97,7 +99,7 @@ struct ContinuousCollisionFinder::State {
 
   void cull() {
     if (!is_culling()) return;
-    spared = spare_pairs<2>(options.method, bvh, pieces, {pose.positions_t0(), pose.positions_t1()}, graph_test);
+    spared = spare_pairs<2>(options, bvh, pieces, {pose.positions_t0(), pose.positions_t1()}, graph_test);
   }
 
   void update(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
@@ -128,13 +130,12 @@ struct ContinuousCollisionFinder::State {
 
   ContinuousPairs search(std::atomic<bool>* stop, ContinuousCounters* counters) const {
     const ContinuousScene searched = scene();
-    if (counters != nullptr) {
-      counters->cleared_nodes += spared.counters.cleared_nodes;
-      counters->cleared_triangles += spared.counters.cleared_triangles;
-    }
+    if (counters != nullptr) spared.counters.add_to(*counters);
     const PairWork work = split_self_pair_work(
         bvh, kPieces, [&](NodePair pair) { return !searched.spared.do_hold(bvh.nodes().data(), pair); });
     std::vector<ContinuousResult> results(work.pieces.size() + 1);
+    results.back().counters.node_pairs = work.compared;
+    results.back().counters.self_node_pairs = work.compared_selves;
     for (ContinuousResult& result : results) result.stop = stop;
     SELVAGE_DISPATCH(test_listed_pairs, searched, work.found, results.back());
     parallel_for(std::ssize(work.pieces), 1, [&](std::int64_t i) {

@@ -145,13 +145,12 @@ class Search {
       : scene_(scene), result_(result), triangles_(scene, result) {}
 
   void run(NodePair start) {
-    traversal::visit_rows<true>(
+    traversal::visit_meeting<true>(
         scene_.nodes, scene_.nodes, start, [&](NodePair pair) { return enter(pair); },
-        [&](const PrimitiveRow& row) {
-          const BvhNode& node = scene_.nodes[row.node];
-          result_.counters.box_pairs += count_lanes(row.lanes);
-          for (unsigned rest = row.lanes; rest != 0; rest &= rest - 1)
-            triangles_.add(row.primitive, node.children[lowest_lane(rest)]);
+        [&](const PrimitivePairs& pairs) {
+          result_.counters.box_pairs += count_bits(pairs.bits);
+          traversal::visit_each(scene_.nodes, scene_.nodes, pairs,
+                                [&](Index first, Index second) { triangles_.add(first, second); });
         });
     triangles_.flush();
   }
@@ -168,6 +167,7 @@ class Search {
     if (result_.stop != nullptr && result_.stop->load(std::memory_order_relaxed)) return false;
     if (scene_.spared.do_hold(scene_.nodes.data(), pair)) return false;
     ++result_.counters.node_pairs;
+    result_.counters.self_node_pairs += pair.a == pair.b;
     return true;
   }
 

@@ -90,62 +90,75 @@ class PairBatch {
   EightPairs pairs_, close_;
 };
 
-/// Pairs of triangles that share vertices: what counts is where the other vertices lie.
+/// Pairs of triangles that share kShared vertices: what counts is where the other vertices lie.
+template <int kShared>
 class AdjacentBatch {
  public:
   AdjacentBatch(const DiscreteScene& scene, DiscreteResult& result) : scene_(scene), result_(result) {}
 
-  void add(Index first, Index second) {
+  /// @param a, b  the vertices of both, the shared ones first
+  void add(Index first, Index second, const VertexTuple<3>& a, const VertexTuple<3>& b) {
+    a_[pairs_.count] = a;
+    b_[pairs_.count] = b;
     if (pairs_.add(first, second)) flush();
   }
 
   void flush() {
     if (pairs_.count == 0) return;
-    const unsigned lanes = pairs_.fill();
-    EightTriangles others_a, others_b;
-    for (int i = 0; i < EightPairs::kSize; ++i) {
-      const VertexTuple<3>& of_a = scene_.a.triangles[pairs_.first[i]];
-      const VertexTuple<3>& of_b = scene_.b.triangles[pairs_.second[i]];
-      others_a[i] = unshared(of_a, of_b);
-      others_b[i] = unshared(of_b, of_a);
+    for (int i = pairs_.count; i < EightPairs::kSize; ++i) {
+      a_[i] = a_[0];
+      b_[i] = b_[0];
     }
-    WideCorner a[3], b[3], rest_a[3], rest_b[3];
-    gather_pairs(scene_, pairs_, a, b);
-    gather_triangles(scene_.a, others_a, rest_a);
-    gather_triangles(scene_.b, others_b, rest_b);
+    const unsigned lanes = pairs_.fill();
+    WideCorner a[3], b[3];
+    gather_triangles(scene_.a, a_, a);
+    gather_triangles(scene_.b, b_, b);
+    const WideCorner rest_a[3] = {a[kShared], a[2], a[2]}, rest_b[3] = {b[kShared], b[2], b[2]};
     const Float8 zero = Float8::broadcast(0);
-    const unsigned apart = beside_plane(a, rest_b, zero) | beside_plane(b, rest_a, zero);
+    unsigned apart = beside_plane(a, rest_b, zero) | beside_plane(b, rest_a, zero);
+    // What lies flat beside its neighbour is not beside its plane.
+    if constexpr (kShared == 1)
+      apart |= apart_but_for_vertex({a[1] - a[0], a[2] - a[0]}, {b[1] - a[0], b[2] - a[0]});
+    else
+      apart |= apart_but_for_edge(a[1] - a[0], a[2] - a[0], b[2] - a[0]);
     decide_all(scene_, pairs_, lanes & ~apart, result_);
     pairs_.count = 0;
   }
 
  private:
-  /// The vertices of t that are none of u, some twice to make three; t where there is none.
-  static VertexTuple<3> unshared(const VertexTuple<3>& t, const VertexTuple<3>& u) {
-    VertexTuple<3> others = t;
-    int count = 0;
-    for (int i = 0; i < 3; ++i)
-      if (t[i] != u[0] && t[i] != u[1] && t[i] != u[2]) others[count++] = t[i];
-    for (int i = count; i > 0 && i < 3; ++i) others[i] = others[0];
-    return others;
-  }
-
   const DiscreteScene& scene_;
   DiscreteResult& result_;
   EightPairs pairs_;
+  EightTriangles a_, b_;
 };
+
+/// Puts the vertices that the triangles share first, in one order. Returns how many there are.
+int bring_shared_first(VertexTuple<3>& a, VertexTuple<3>& b) {
+  int shared = 0;
+  for (int i = 0; i < 3; ++i)
+    for (int k = shared; k < 3; ++k) {
+      if (a[i] != b[k]) continue;
+      const Index common = a[i];
+      a[i] = a[shared];
+      b[k] = b[shared];
+      a[shared] = b[shared] = common;
+      ++shared;
+      break;
+    }
+  return shared;
+}
 
 /// One piece of a search: the hierarchy decides which triangles are looked at.
 template <bool kSelf>
 class Search {
  public:
   Search(const DiscreteScene& scene, DiscreteResult& result)
-      : scene_(scene), result_(result), disjoint_(scene, result), adjacent_(scene, result) {}
+      : scene_(scene), result_(result), disjoint_(scene, result), by_vertex_(scene, result), by_edge_(scene, result) {}
 
   void run(NodePair start) {
-    traversal::visit_rows<kSelf>(
+    traversal::visit_meeting<kSelf>(
         scene_.a.nodes, scene_.b.nodes, start, [&](NodePair pair) { return enter(pair); },
-        [&](const PrimitiveRow& row) { take_row(row); });
+        [&](const PrimitivePairs& pairs) { take(pairs); });
     finish();
   }
 
@@ -163,7 +176,8 @@ class Search {
 
   void finish() {
     disjoint_.flush();
-    adjacent_.flush();
+    by_vertex_.flush();
+    by_edge_.flush();
   }
 
  private:
@@ -171,7 +185,12 @@ class Search {
   SELVAGE_INLINE bool enter(NodePair pair) {
     if (result_.stop != nullptr && result_.stop->load(std::memory_order_relaxed)) return false;
     if (kSelf && scene_.spared.do_hold(scene_.a.nodes.data(), pair)) return false;
+    for (const LeafVertices* leaves : {scene_.a.leaves + pair.a, scene_.b.leaves + pair.b}) {
+      prefetch(leaves);
+      prefetch(leaves->corners[2]);
+    }
     ++result_.counters.node_pairs;
+    result_.counters.self_node_pairs += kSelf && pair.a == pair.b;
     return true;
   }
 
@@ -179,31 +198,49 @@ class Search {
     return surface.triangle_of == nullptr ? primitive : surface.triangle_of[primitive];
   }
 
-  SELVAGE_INLINE void take_row(const PrimitiveRow& row) {
-    const SurfaceView& own = row.swapped ? scene_.b : scene_.a;
-    const SurfaceView& other = row.swapped ? scene_.a : scene_.b;
-    const Index t = triangle(own, row.primitive);
-    const unsigned shared = scene_.one_surface ? sharing_lanes(own.triangles[t], other.leaves[row.node]) : 0;
-    result_.counters.box_pairs += count_lanes(row.lanes);
-    result_.counters.adjacent_pairs += count_lanes(row.lanes & shared);
-    const BvhNode& node = other.nodes[row.node];
-    const unsigned wanted = scene_.include_adjacent ? row.lanes : row.lanes & ~shared;
-    for (unsigned rest = wanted; rest != 0; rest &= rest - 1) {
-      const int lane = lowest_lane(rest);
-      const Index u = triangle(other, node.children[lane]);
-      const bool shares = (shared >> lane & 1) != 0;
-      row.swapped ? add(u, t, shares) : add(t, u, shares);
+  SELVAGE_INLINE void take(const PrimitivePairs& pairs) {
+    const BvhNode& a = scene_.a.nodes[pairs.first];
+    const BvhNode& b = scene_.b.nodes[pairs.second];
+    const std::uint64_t shared =
+        scene_.one_surface ? pairs.bits & sharing_pairs(scene_.a.leaves[pairs.first], scene_.b.leaves[pairs.second])
+                           : 0;
+    result_.counters.box_pairs += count_bits(pairs.bits);
+    result_.counters.adjacent_pairs += count_bits(shared);
+    const std::uint64_t wanted = scene_.include_adjacent ? pairs.bits : pairs.bits & ~shared;
+    for (std::uint64_t rest = wanted; rest != 0; rest &= rest - 1) {
+      const int bit = lowest_bit(rest);
+      add(triangle(scene_.a, a.children[bit / BvhNode::kWidth]), triangle(scene_.b, b.children[bit % BvhNode::kWidth]),
+          (shared >> bit & 1) != 0);
     }
   }
 
-  /// Children of a node that have a vertex of the triangle.
-  SELVAGE_INLINE static unsigned sharing_lanes(const VertexTuple<3>& vertices, const LeafVertices& leaves) {
-    unsigned lanes = 0;
-    for (int l = 0; l < 3; ++l) {
-      const Float8 corner = Float8::load(reinterpret_cast<const float*>(leaves.corners[l]));
-      for (int k = 0; k < 3; ++k) lanes |= equal_bits(corner, Float8::broadcast(std::bit_cast<float>(vertices[k])));
+  /// Children of two nodes that have a vertex in common, as bits of pairs.
+  SELVAGE_INLINE static std::uint64_t sharing_pairs(const LeafVertices& a, const LeafVertices& b) {
+    const auto corners = [](const LeafVertices& leaves, int l) {
+      return Float8::load(reinterpret_cast<const float*>(leaves.corners[l]));
+    };
+    const Float8 of_b[3] = {corners(b, 0), corners(b, 1), corners(b, 2)};
+    std::uint64_t bits = 0;
+    for (int i = 0; i < BvhNode::kWidth; ++i) {
+      Float8 lanes = Float8::broadcast(0);
+      for (int k = 0; k < 3; ++k) {
+        const Float8 corner = Float8::broadcast(std::bit_cast<float>(a.corners[k][i]));
+        for (int l = 0; l < 3; ++l) lanes = or_bits(lanes, equal_lanes(corner, of_b[l]));
+      }
+      bits |= std::uint64_t{sign_bits(lanes)} << BvhNode::kWidth * i;
     }
-    return lanes;
+    return bits;
+  }
+
+  void add_adjacent(Index first, Index second) {
+    VertexTuple<3> a = scene_.a.triangles[first], b = scene_.b.triangles[second];
+    const int shared = bring_shared_first(a, b);
+    if (shared == 1)
+      by_vertex_.add(first, second, a, b);
+    else if (shared == 2)
+      by_edge_.add(first, second, a, b);
+    else
+      decide_pair(scene_, first, second, result_);
   }
 
   void add(Index first, Index second, bool shares) {
@@ -211,13 +248,14 @@ class Search {
     if (!shares)
       disjoint_.add(first, second);
     else if (scene_.include_adjacent)
-      adjacent_.add(first, second);
+      add_adjacent(first, second);
   }
 
   const DiscreteScene& scene_;
   DiscreteResult& result_;
   PairBatch disjoint_;
-  AdjacentBatch adjacent_;
+  AdjacentBatch<1> by_vertex_;
+  AdjacentBatch<2> by_edge_;
 };
 
 }  // namespace

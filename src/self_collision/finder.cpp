@@ -37,6 +37,12 @@ std::vector<LeafVertices> list_leaf_vertices(const Bvh& bvh, std::span<const Ver
   return leaves;
 }
 
+void check_triangle(const TriangleMesh& mesh, Index t) {
+  if (t < 0 || t >= mesh.triangle_count())
+    throw Error(fmt::format("triangle {}", t), "there is no such triangle",
+                fmt::format("triangles lie in [0, {})", mesh.triangle_count()));
+}
+
 /// Searches all pieces of the work in parallel, and brings their results together.
 ///
 /// @param search  `search(NodePair, DiscreteResult&)`
@@ -44,6 +50,8 @@ std::vector<TrianglePair> search_all(const DiscreteScene& scene, const PairWork&
                                      std::atomic<bool>* stop, SelfCollisionCounters* counters,
                                      void (*search)(const DiscreteScene&, NodePair, DiscreteResult&)) {
   std::vector<DiscreteResult> results(work.pieces.size() + 1);
+  results.back().counters.node_pairs = work.compared;
+  results.back().counters.self_node_pairs = work.compared_selves;
   for (DiscreteResult& result : results) result.stop = stop;
   SELVAGE_DISPATCH(test_listed_pairs, scene, work.found, results.back());
   parallel_for(std::ssize(work.pieces), 1, [&](std::int64_t i) { search(scene, work.pieces[i], results[i]); });
@@ -78,8 +86,10 @@ CullingMethod culling_method(std::string_view name) {
 
 SelfCollisionCounters& SelfCollisionCounters::operator+=(const SelfCollisionCounters& other) {
   node_pairs += other.node_pairs;
+  self_node_pairs += other.self_node_pairs;
   box_pairs += other.box_pairs;
   adjacent_pairs += other.adjacent_pairs;
+  tested_nodes += other.tested_nodes;
   cleared_nodes += other.cleared_nodes;
   cleared_triangles += other.cleared_triangles;
   exact_tests += other.exact_tests;
@@ -120,7 +130,7 @@ struct SelfCollisionFinder::State {
   bool is_culling() const { return options.method != CullingMethod::kBvh && options.thickness.empty(); }
 
   void cull() {
-    if (is_culling()) spared = spare_pairs<1>(options.method, bvh, pieces, {pose.positions()}, graph_test);
+    if (is_culling()) spared = spare_pairs<1>(options, bvh, pieces, {pose.positions()}, graph_test);
   }
 
   void update(std::span<const Vec3> positions) {
@@ -156,10 +166,7 @@ struct SelfCollisionFinder::State {
   std::vector<TrianglePair> search_self_pairs(std::atomic<bool>* stop, SelfCollisionCounters* counters) const {
     DiscreteScene scene = self_scene();
     scene.spared = spared.nodes();
-    if (counters != nullptr) {
-      counters->cleared_nodes += spared.counters.cleared_nodes;
-      counters->cleared_triangles += spared.counters.cleared_triangles;
-    }
+    if (counters != nullptr) spared.counters.add_to(*counters);
     const PairWork work = split_self_pair_work(
         bvh, kPieces, [&](NodePair pair) { return !scene.spared.do_hold(bvh.nodes().data(), pair); });
     return search_all(scene, work, mesh.triangle_count(), stop, counters, search_self);
@@ -197,9 +204,7 @@ std::vector<TrianglePair> SelfCollisionFinder::find_pairs_of(std::span<const Ind
   std::vector<std::uint8_t> in_subset(s.mesh.triangle_count(), 0);
   std::vector<Box> boxes;
   for (const Index t : triangles) {
-    if (t < 0 || t >= s.mesh.triangle_count())
-      throw Error(fmt::format("triangle {}", t), "there is no such triangle",
-                  fmt::format("triangles lie in [0, {})", s.mesh.triangle_count()));
+    check_triangle(s.mesh, t);
     if (std::exchange(in_subset[t], 1) != 0)
       throw Error(fmt::format("triangle {}", t), "is given twice", "give each triangle once");
     boxes.push_back(s.pose.boxes()[t]);
@@ -236,6 +241,28 @@ std::vector<TrianglePair> SelfCollisionFinder::find_pairs_with(const SelfCollisi
   const DiscreteScene scene{view(*state_, a), view(*other.state_, b), false, false, nullptr, nullptr};
   return search_all(scene, split_pair_work(a.bvh, b.bvh, kPieces), state_->mesh.triangle_count(), nullptr, counters,
                     search_two);
+}
+
+std::vector<CommonSegment> SelfCollisionFinder::find_segments(std::span<const TrianglePair> pairs) const {
+  return find_segments_with(*this, pairs);
+}
+
+std::vector<CommonSegment> SelfCollisionFinder::find_segments_with(const SelfCollisionFinder& other,
+                                                                   std::span<const TrianglePair> pairs) const {
+  const auto corners = [](const State& s, Index t) {
+    const auto& [a, b, c] = s.mesh.triangles()[t];
+    const std::span<const Vec3> x = s.pose.positions();
+    return std::array<Vec3, 3>{x[a], x[b], x[c]};
+  };
+  for (const TrianglePair& pair : pairs) {
+    check_triangle(state_->mesh, pair.first);
+    check_triangle(other.state_->mesh, pair.second);
+  }
+  std::vector<CommonSegment> segments(pairs.size());
+  parallel_for(std::ssize(pairs), 256, [&](std::int64_t i) {
+    segments[i] = intersection_segment(corners(*state_, pairs[i].first), corners(*other.state_, pairs[i].second));
+  });
+  return segments;
 }
 
 }  // namespace selvage

@@ -64,6 +64,15 @@ SELVAGE_INLINE unsigned beside_plane(const WideCorner (&triangle)[3], const Wide
   return less_equal(bound, lowest) | less_equal(highest, negative(bound));
 }
 
+/// How far the height of a point along a direction may be off; the point is relative to another, and no coordinate of
+/// it is larger than `far`.
+SELVAGE_INLINE Float8 rounding_along(const WideCorner& direction, Float8 far) {
+  // Two positions off by their rounding, and below 16 roundings of differences and dot products.
+  const Float8 error = Float8::broadcast(2 * kFrameRounding) + far * Float8::broadcast(0x1p-20f);
+  const Float8 length = magnitude(direction.x) + magnitude(direction.y) + magnitude(direction.z);
+  return error * length + Float8::broadcast(1e-30f);
+}
+
 /// Lanes in which the triangles lie apart along a direction by more than `distance` times its length; a and b are
 /// relative to a place near both, none of whose coordinates is off by more than `error`.
 SELVAGE_INLINE unsigned apart_along(const WideCorner& direction, const WideCorner (&a)[3], const WideCorner (&b)[3],
@@ -75,6 +84,45 @@ SELVAGE_INLINE unsigned apart_along(const WideCorner& direction, const WideCorne
   const Float8 above = min(min(p[0], p[1]), p[2]) - max(max(q[0], q[1]), q[2]);
   const Float8 below = min(min(q[0], q[1]), q[2]) - max(max(p[0], p[1]), p[2]);
   return less_equal(bound, above) | less_equal(bound, below);
+}
+
+SELVAGE_INLINE WideCorner operator+(const WideCorner& a, const WideCorner& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+SELVAGE_INLINE WideCorner operator*(const WideCorner& a, Float8 s) {
+  return {a.x * s, a.y * s, a.z * s};
+}
+SELVAGE_INLINE WideCorner unit(const WideCorner& a) {
+  return a * (Float8::broadcast(1) / sqrt(dot(a, a)));
+}
+
+/// Lanes in which two triangles that share one vertex certainly have no other point in common: a plane through it lies
+/// strictly between the other vertices of the one and those of the other. All are relative to the vertex.
+SELVAGE_INLINE unsigned apart_but_for_vertex(const WideCorner (&a)[2], const WideCorner (&b)[2]) {
+  // Whatever the direction is, only what lies along it is rounded.
+  const WideCorner direction = unit(a[0]) + unit(a[1]) - unit(b[0]) - unit(b[1]);
+  const Float8 far = max(max(reach(a[0]), reach(a[1])), max(reach(b[0]), reach(b[1])));
+  const Float8 bound = rounding_along(direction, far);
+  const Float8 above = min(dot(direction, a[0]), dot(direction, a[1]));
+  const Float8 below = max(dot(direction, b[0]), dot(direction, b[1]));
+  return less_equal(bound, above) & less_equal(below, negative(bound));
+}
+
+/// The same for two triangles that share an edge, from the vertex to another, and the third vertex of each: a plane
+/// through the edge lies strictly between these.
+SELVAGE_INLINE unsigned apart_but_for_edge(const WideCorner& edge, const WideCorner& a, const WideCorner& b) {
+  const auto across = [&](const WideCorner& x) { return unit(x * dot(edge, edge) - edge * dot(edge, x)); };
+  const WideCorner direction = across(a) - across(b);
+  const Float8 far = max(reach(edge), max(reach(a), reach(b)));
+  const Float8 bound = rounding_along(direction, far);
+  // The direction is not quite normal to the edge. The one that is differs by this share of the edge's height from it,
+  // at a point as far away as the farthest: three times far is more than that, and reach(edge) less than the length of
+  // the edge.
+  const Float8 tilt = (magnitude(dot(direction, edge)) + bound) * far * Float8::broadcast(3) /
+                      (reach(edge) - Float8::broadcast(2 * kFrameRounding));
+  const unsigned long_enough = less_equal(Float8::broadcast(4 * kFrameRounding), reach(edge));
+  return long_enough & less_equal(bound + tilt, dot(direction, a)) &
+         less_equal(dot(direction, b), negative(bound + tilt));
 }
 
 /// Lanes in which the triangles certainly lie farther apart than `distance`: told by the directions normal to an edge

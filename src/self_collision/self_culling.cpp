@@ -3,6 +3,7 @@
 #include "self_collision/published_enhanced.h"
 #include "selvage/core/parallel.h"
 
+#include <algorithm>
 #include <numbers>
 
 namespace selvage {
@@ -81,30 +82,36 @@ DirectionCone inner_binormals(const SurfacePieces& pieces, const SurfaceCones<kS
 
 /// As published: children that pass a test alone, and pairs of them that pass together, are left out even where the
 /// others do not pass.
+///
+/// @param simple_traversal  only nodes that pass all tests are left out
 template <int kSteps>
-void spare_as_published(const Bvh& bvh, const SurfacePieces& pieces, const SurfaceCones<kSteps>& cones,
-                        const typename GraphTest<kSteps>::Poses& poses, SparedPairs& spared) {
+void spare_as_published(bool simple_traversal, const Bvh& bvh, const SurfacePieces& pieces,
+                        const SurfaceCones<kSteps>& cones, const typename GraphTest<kSteps>::Poses& poses,
+                        SparedPairs& spared) {
   const auto nodes = bvh.nodes();
-  spared.siblings.assign(nodes.size(), 0);
+  if (!simple_traversal) spared.siblings.assign(nodes.size(), 0);
   std::vector<std::uint8_t> alone(nodes.size(), 0);
   clear_from_root<NoWorkspace>(bvh, pieces, 1, spared, [&](Index n, NoWorkspace&) {
     if (alone[n] != 0) return true;
     if (nodes[n].children[0] >= 0) return false;
     const EnhancedDualConeResult result = test_enhanced_dual_cone<kSteps>(bvh, pieces, cones, poses, n);
     if (result.does_clear(nodes[n].child_count)) return true;
+    if (simple_traversal) return false;
     for (int i = 0; i < nodes[n].child_count && nodes[n].children[i] < 0; ++i) {
       alone[~nodes[n].children[i]] = static_cast<std::uint8_t>(result.alone >> i & 1);
       spared.siblings[~nodes[n].children[i]] = result.apart[i];
     }
     return false;
   });
+  spared.counters.tested_nodes -= std::count(alone.begin(), alone.end(), 1);
 }
 
 }  // namespace
 
 template <int kSteps>
-SparedPairs spare_pairs(CullingMethod method, const Bvh& bvh, const SurfacePieces& pieces,
+SparedPairs spare_pairs(const SelfCollisionOptions& options, const Bvh& bvh, const SurfacePieces& pieces,
                         const typename GraphTest<kSteps>::Poses& poses, GraphTest<kSteps>& test) {
+  const CullingMethod method = options.method;
   SparedPairs spared;
   if (method == CullingMethod::kBvh || bvh.nodes().empty()) return spared;
   if (method == CullingMethod::kAuto) {
@@ -130,7 +137,7 @@ SparedPairs spare_pairs(CullingMethod method, const Bvh& bvh, const SurfacePiece
       });
       break;
     case CullingMethod::kEnhancedDualConePublished:
-      spare_as_published<kSteps>(bvh, pieces, cones, poses, spared);
+      spare_as_published<kSteps>(options.simple_traversal, bvh, pieces, cones, poses, spared);
       break;
     default: {
       test.place(pieces, poses);
@@ -148,9 +155,9 @@ SparedPairs spare_pairs(CullingMethod method, const Bvh& bvh, const SurfacePiece
   return spared;
 }
 
-template SparedPairs spare_pairs<1>(CullingMethod, const Bvh&, const SurfacePieces&, const GraphTest<1>::Poses&,
-                                    GraphTest<1>&);
-template SparedPairs spare_pairs<2>(CullingMethod, const Bvh&, const SurfacePieces&, const GraphTest<2>::Poses&,
-                                    GraphTest<2>&);
+template SparedPairs spare_pairs<1>(const SelfCollisionOptions&, const Bvh&, const SurfacePieces&,
+                                    const GraphTest<1>::Poses&, GraphTest<1>&);
+template SparedPairs spare_pairs<2>(const SelfCollisionOptions&, const Bvh&, const SurfacePieces&,
+                                    const GraphTest<2>::Poses&, GraphTest<2>&);
 
 }  // namespace selvage

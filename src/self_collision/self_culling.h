@@ -11,6 +11,13 @@ struct CullingCounters {
   std::int64_t tested_nodes = 0;       ///< nodes asked whether they need a test against themselves
   std::int64_t cleared_nodes = 0;      ///< those that need none
   std::int64_t cleared_triangles = 0;  ///< in them
+
+  template <typename SearchCounters>
+  void add_to(SearchCounters& counters) const {
+    counters.tested_nodes += tested_nodes;
+    counters.cleared_nodes += cleared_nodes;
+    counters.cleared_triangles += cleared_triangles;
+  }
 };
 
 /// Which comparisons within one hierarchy a method leaves out.
@@ -35,7 +42,7 @@ struct SparedPairs {
 ///
 /// @param test  memory to use again for every pose
 template <int kSteps>
-SparedPairs spare_pairs(CullingMethod method, const Bvh& bvh, const SurfacePieces& pieces,
+SparedPairs spare_pairs(const SelfCollisionOptions& options, const Bvh& bvh, const SurfacePieces& pieces,
                         const typename GraphTest<kSteps>::Poses& poses, GraphTest<kSteps>& test);
 
 }  // namespace selvage

@@ -2,6 +2,7 @@
 
 #include "selvage/core/error.h"
 #include "selvage/core/parallel.h"
+#include "selvage/core/simd.h"
 
 #include <fmt/format.h>
 
@@ -87,11 +88,11 @@ void SurfacePose::place(const TriangleMesh& mesh, std::span<const Vec3> position
   thickness_.resize(thickness.empty() ? 0 : mesh.triangle_count());
   parallel_for(mesh.triangle_count(), kGrain, [&](std::int64_t t) {
     const auto& [a, b, c] = mesh.triangles()[t];
-    Box box;
-    for (int axis = 0; axis < 3; ++axis) {
-      box.lower[axis] = std::min({lower_[a][axis], lower_[b][axis], lower_[c][axis]});
-      box.upper[axis] = std::max({upper_[a][axis], upper_[b][axis], upper_[c][axis]});
-    }
+    const auto row = [](const std::array<float, 4>& x) { return Float4::load(x.data()); };
+    float lower[4], upper[4];
+    min(min(row(lower_[a]), row(lower_[b])), row(lower_[c])).store(lower);
+    max(max(row(upper_[a]), row(upper_[b])), row(upper_[c])).store(upper);
+    Box box{{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}};
     if (!thickness.empty()) {
       // A little more than asked, for the rounding of map_length(); what is too much is told apart later.
       const double length = frame.map_length(std::max({thickness[a], thickness[b], thickness[c]}));

@@ -46,6 +46,20 @@ TEST_F(CheckTest, JsonHasTheSchema) {
   EXPECT_TRUE(result["seconds"].contains("pairs"));
 }
 
+TEST_F(CheckTest, TellsWhatPairsHaveInCommon) {
+  write_four();
+  const json segments = check("four.off --segments", 1)["segments"];
+  ASSERT_EQ(segments.size(), 2u);
+  const json low = json::parse("[1.0,1.0,0.0]"), high = json::parse("[2.0,2.0,0.0]"),
+             corner = json::parse("[4.0,0.0,0.0]");
+  EXPECT_TRUE(segments[0] == json({low, high}) || segments[0] == json({high, low})) << segments[0];
+  EXPECT_EQ(segments[1], json({corner, corner}));
+  EXPECT_FALSE(check("four.off", 1).contains("segments"));
+  write_text(file("flat.off"), "OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n1 1 0\n5 1 0\n1 5 0\n3 0 1 2\n3 3 4 5\n");
+  EXPECT_EQ(check("flat.off --segments", 1)["segments"], json::parse("[null]"));
+  expect_refused("check four.off --to four.off --segments", 2, {"--segments"});
+}
+
 TEST_F(CheckTest, ExitStatusTellsWhetherThereAreCollisions) {
   write_four();
   EXPECT_EQ(run("check four.off -q").status, 1);

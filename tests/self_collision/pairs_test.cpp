@@ -55,6 +55,34 @@ TEST_P(PairsOf, AreThoseOfTheOracle) {
   }
 }
 
+std::array<Vec3, 3> corners(const Surface& surface, Index triangle) {
+  const auto& [a, b, c] = surface.triangles[triangle];
+  return {surface.positions[a], surface.positions[b], surface.positions[c]};
+}
+
+TEST_P(PairsOf, HaveSegmentsWhereTheyCrossOrTouch) {
+  Random random(9);
+  for (std::int64_t n = 0; n < scaled(10); ++n) {
+    const Surface surface = make(random, n), other_surface = make(random, n);
+    const TriangleMesh mesh = surface.mesh(), other_mesh = other_surface.mesh();
+    const SelfCollisionFinder finder(mesh, surface.positions, with_adjacent()),
+        other(other_mesh, other_surface.positions);
+    const auto expect_segments = [](const Surface& a, const Surface& b, const Pairs& pairs,
+                                    const std::vector<CommonSegment>& segments) {
+      ASSERT_EQ(segments.size(), pairs.size());
+      for (std::size_t i = 0; i < pairs.size(); ++i) {
+        EXPECT_EQ(segments[i].has_value(), pairs[i].contact != TriangleContact::kCoplanarOverlap);
+        EXPECT_TRUE(segments[i] == intersection_segment(corners(a, pairs[i].first), corners(b, pairs[i].second)));
+      }
+    };
+    const Pairs own = finder.find_pairs(), both = finder.find_pairs_with(other);
+    expect_segments(surface, surface, own, finder.find_segments(own));
+    expect_segments(surface, other_surface, both, finder.find_segments_with(other, both));
+    const std::vector<TrianglePair> outside{{0, mesh.triangle_count(), TriangleContact::kTouching}};
+    EXPECT_THROW(finder.find_segments(outside), Error);
+  }
+}
+
 TEST_P(PairsOf, OfASubsetAreThoseWithATriangleInIt) {
   Random random(2);
   for (std::int64_t n = 0; n < scaled(30); ++n) {

@@ -15,11 +15,13 @@ std::vector<IndexPair> overlapping_pairs(const Bvh& a, const Bvh& b);
 /// All pairs i < j of primitives of one hierarchy whose boxes meet, borders included; each once, sorted. Parallel.
 std::vector<IndexPair> self_overlapping_pairs(const Bvh& bvh);
 
-/// A node of one hierarchy and a node of another, whose primitives are still to be compared. Within one hierarchy, a
-/// node with itself stands for all pairs of primitives in it.
+/// A node of one hierarchy and a node of another, whose primitives are still to be compared; or of a node only the
+/// primitives among its children. Within one hierarchy, a node with itself stands for all pairs of primitives in it.
 struct NodePair {
   Index a;
   Index b;
+  bool primitives_of_a;
+  bool primitives_of_b;
 
   bool operator==(const NodePair&) const = default;
 };
@@ -27,7 +29,9 @@ struct NodePair {
 /// A search for pairs, cut into independent pieces.
 struct PairWork {
   std::vector<NodePair> pieces;
-  std::vector<IndexPair> found;  ///< pairs of primitives met while cutting; in no piece
+  std::vector<IndexPair> found;      ///< pairs of primitives met while cutting; in no piece
+  std::int64_t compared = 0;         ///< pairs of nodes whose children were compared while cutting
+  std::int64_t compared_selves = 0;  ///< those of a node with itself
 };
 
 /// Cuts the search for overlapping pairs into at least `wanted` pieces, where there are as many; for a visit_pairs() or

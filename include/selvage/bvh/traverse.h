@@ -69,12 +69,11 @@ SELVAGE_INLINE Float8 squared_distances(const BvhNode& node, const WideBox& box)
 
 /// Children whose boxes meet the box, borders included.
 SELVAGE_INLINE unsigned overlapping_children(const BvhNode& node, const WideBox& box) {
-  unsigned mask = node.present();
-  for (int axis = 0; axis < 3; ++axis) {
-    mask &= less_equal(Float8::load(node.lower[axis]), box.upper[axis]);
-    mask &= less_equal(box.lower[axis], Float8::load(node.upper[axis]));
-  }
-  return mask;
+  const auto meet_along = [&](int axis) {
+    return and_bits(less_equal_lanes(Float8::load(node.lower[axis]), box.upper[axis]),
+                    less_equal_lanes(box.lower[axis], Float8::load(node.upper[axis])));
+  };
+  return sign_bits(and_bits(and_bits(meet_along(0), meet_along(1)), meet_along(2))) & node.present();
 }
 
 SELVAGE_INLINE void prefetch_node(const BvhNode& node) {

@@ -6,101 +6,104 @@
 namespace selvage {
 inline namespace SELVAGE_ISA {
 
-/// A primitive of one hierarchy, and the primitives among the children of one node of the other that it meets.
-struct PrimitiveRow {
-  Index primitive;
-  Index node;      ///< place of the node
-  unsigned lanes;  ///< which of its children
-  bool swapped;    ///< the primitive is one of the second hierarchy, the node one of the first
+/// All of both hierarchies.
+inline constexpr NodePair kRoots{0, 0, false, false};
+
+/// Children of two nodes that are primitives and meet: bit 8 i + k stands for child i of the first and child k of the
+/// second.
+struct PrimitivePairs {
+  Index first;
+  Index second;
+  std::uint64_t bits;
 };
 
 namespace traversal {
+
+/// The bits of the rows of the first children, and of the columns of a mask of children.
+SELVAGE_INLINE std::uint64_t rows_below(int count) {
+  return count == 0 ? 0 : ~std::uint64_t{0} >> BvhNode::kWidth * (BvhNode::kWidth - count);
+}
+SELVAGE_INLINE std::uint64_t columns(unsigned children) {
+  return children * std::uint64_t{0x0101010101010101};
+}
+inline constexpr std::uint64_t kAboveDiagonal = 0x0080c0e0f0f8fcfe;
+
+/// The columns, or the rows, that have a bit.
+SELVAGE_INLINE unsigned columns_in(std::uint64_t bits) {
+  bits |= bits >> 32;
+  bits |= bits >> 16;
+  return static_cast<unsigned>(bits | bits >> 8) & 0xffu;
+}
+SELVAGE_INLINE unsigned rows_in(std::uint64_t bits) {
+  unsigned rows = 0;
+  for (int i = 0; i < BvhNode::kWidth; ++i)
+    rows |= static_cast<unsigned>((bits >> BvhNode::kWidth * i & 0xff) != 0) << i;
+  return rows;
+}
 
 /// Children that are nodes.
 SELVAGE_INLINE unsigned inner_children(const BvhNode& node) {
   return less_bits(Float8::load(reinterpret_cast<const float*>(node.children)), Float8::broadcast(0)) & node.present();
 }
 
-/// Children of node a that can meet a child of node b: they meet the box that the parent of b has for it.
-SELVAGE_INLINE unsigned children_near(const BvhNode& a, std::span<const BvhNode> nodes_b, Index b) {
-  const Index parent = nodes_b[b].parent;
-  if (parent == kNone) return a.present();
-  return overlapping_children(a, WideBox(nodes_b[parent].box(b - ~nodes_b[parent].children[0])));
+/// Which children of two nodes meet. All 64 pairs, and no branch: neighbours meet in most rows, never in the same ones.
+SELVAGE_INLINE std::uint64_t meeting_children(const BvhNode& a, const BvhNode& b) {
+  std::uint64_t bits = 0;
+  for (int i = 0; i < BvhNode::kWidth; ++i)
+    bits |= std::uint64_t{overlapping_children(b, WideBox(a.box(i)))} << BvhNode::kWidth * i;
+  return bits & rows_below(a.child_count);
 }
 
-/// Visits the primitives below a node whose boxes meet the query box, those of one node together.
-template <typename Visit>
-inline void visit_overlap_lanes(std::span<const BvhNode> nodes, const Box& query, Index start, Visit&& visit) {
-  const WideBox box(query);
-  Index stack[kStackSize];
-  stack[0] = start;
-  Index* top = stack + 1;
-  while (top != stack) {
-    const Index place = *--top;
-    const BvhNode& node = nodes[place];
-    const unsigned meeting = overlapping_children(node, box), inner = inner_children(node);
-    for (unsigned rest = meeting & inner; rest != 0; rest &= rest - 1) *top++ = ~node.children[lowest_lane(rest)];
-    if ((meeting & ~inner) != 0) visit(place, meeting & ~inner);
-  }
-}
-
-/// Compares the children of two nodes, or for a self-pair those of one node with one another. Children that meet go to
-/// `visit(PrimitiveRow)`, or where both are nodes to `push(NodePair)`.
+/// Compares the children of two nodes, or for a self-pair those of one node with one another. Primitives that meet go
+/// to `visit(PrimitivePairs)`, pairs with nodes to `push(NodePair)`: the primitives of a node stay together.
 template <bool kSelf, typename Push, typename Visit>
 SELVAGE_INLINE void compare_children(std::span<const BvhNode> nodes_a, std::span<const BvhNode> nodes_b, NodePair pair,
                                      Push&& push, Visit&& visit) {
   const BvhNode& a = nodes_a[pair.a];
   const BvhNode& b = nodes_b[pair.b];
-  const bool same = kSelf && pair.a == pair.b;
-  const unsigned inner = inner_children(b);
-  for (unsigned rows = same ? a.present() : children_near(a, nodes_b, pair.b); rows != 0; rows &= rows - 1) {
-    const int i = lowest_lane(rows);
-    const Index child_a = a.children[i];
-    const Box box_a = a.box(i);
-    unsigned meeting = overlapping_children(b, WideBox(box_a));
-    if (same) {
-      meeting &= ~0u << (i + 1);
-      if (child_a < 0) push(NodePair{~child_a, ~child_a});
-    }
-    if (child_a >= 0) {
-      if ((meeting & ~inner) != 0) visit(PrimitiveRow{child_a, pair.b, meeting & ~inner, false});
-      for (unsigned rest = meeting & inner; rest != 0; rest &= rest - 1)
-        visit_overlap_lanes(nodes_b, box_a, ~b.children[lowest_lane(rest)], [&](Index place, unsigned lanes) {
-          visit(PrimitiveRow{child_a, place, lanes, false});
-        });
-      continue;
-    }
-    for (unsigned rest = meeting & inner; rest != 0; rest &= rest - 1)
-      push(NodePair{~child_a, ~b.children[lowest_lane(rest)]});
-    for (unsigned rest = meeting & ~inner; rest != 0; rest &= rest - 1) {
-      const int k = lowest_lane(rest);
-      visit_overlap_lanes(nodes_a, b.box(k), ~child_a, [&](Index place, unsigned lanes) {
-        visit(PrimitiveRow{b.children[k], place, lanes, true});
-      });
-    }
+  std::uint64_t meeting = meeting_children(a, b);
+  if (kSelf && pair.a == pair.b) meeting &= kAboveDiagonal;
+  const unsigned inner_a = inner_children(a), inner_b = inner_children(b);
+  const std::uint64_t inner_rows = rows_below(count_lanes(inner_a)), inner_columns = columns(inner_b);
+  if (const std::uint64_t bits = meeting & ~inner_rows & ~inner_columns; bits != 0) visit({pair.a, pair.b, bits});
+  if ((inner_a | inner_b) == 0) return;
+  const auto node_a = [&](int i) { return ~a.children[i]; };
+  const auto node_b = [&](int k) { return ~b.children[k]; };
+  if (!pair.primitives_of_b)
+    for (unsigned rest = columns_in(meeting & ~inner_rows & inner_columns); rest != 0; rest &= rest - 1)
+      push(NodePair{pair.a, node_b(lowest_lane(rest)), true, false});
+  if (pair.primitives_of_a) return;
+  for (unsigned rest = rows_in(meeting & inner_rows & ~inner_columns); rest != 0; rest &= rest - 1)
+    push(NodePair{node_a(lowest_lane(rest)), pair.b, false, true});
+  if (pair.primitives_of_b) return;
+  if (kSelf && pair.a == pair.b)
+    for (unsigned rest = inner_a; rest != 0; rest &= rest - 1)
+      push(NodePair{node_a(lowest_lane(rest)), node_a(lowest_lane(rest)), false, false});
+  for (std::uint64_t rest = meeting & inner_rows & inner_columns; rest != 0; rest &= rest - 1) {
+    const int bit = lowest_bit(rest);
+    push(NodePair{node_a(bit / BvhNode::kWidth), node_b(bit % BvhNode::kWidth), false, false});
   }
 }
 
-/// Calls `visit(primitive of a, primitive of b)` for each pair of a row.
+/// Calls `visit(primitive of a, primitive of b)` for each pair.
 template <typename Visit>
-SELVAGE_INLINE void visit_row(std::span<const BvhNode> nodes_a, std::span<const BvhNode> nodes_b,
-                              const PrimitiveRow& row, Visit&& visit) {
-  const BvhNode& node = (row.swapped ? nodes_a : nodes_b)[row.node];
-  for (unsigned rest = row.lanes; rest != 0; rest &= rest - 1) {
-    const Index other = node.children[lowest_lane(rest)];
-    row.swapped ? visit(other, row.primitive) : visit(row.primitive, other);
+SELVAGE_INLINE void visit_each(std::span<const BvhNode> nodes_a, std::span<const BvhNode> nodes_b,
+                               const PrimitivePairs& pairs, Visit&& visit) {
+  for (std::uint64_t rest = pairs.bits; rest != 0; rest &= rest - 1) {
+    const int bit = lowest_bit(rest);
+    visit(nodes_a[pairs.first].children[bit / BvhNode::kWidth], nodes_b[pairs.second].children[bit % BvhNode::kWidth]);
   }
 }
 
-/// Visits the rows of primitives whose boxes meet below a pair of nodes.
+/// Visits the primitives whose boxes meet below a pair of nodes, those of two nodes together.
 ///
 /// @param enter  `bool enter(NodePair)`: whether to look below a pair whose boxes meet
-/// @param visit  `visit(const PrimitiveRow&)`
+/// @param visit  `visit(const PrimitivePairs&)`
 template <bool kSelf, typename Enter, typename Visit>
-inline void visit_rows(std::span<const BvhNode> nodes_a, std::span<const BvhNode> nodes_b, NodePair start,
-                       Enter&& enter, Visit&& visit) {
+inline void visit_meeting(std::span<const BvhNode> nodes_a, std::span<const BvhNode> nodes_b, NodePair start,
+                          Enter&& enter, Visit&& visit) {
   if (nodes_a.empty() || nodes_b.empty()) return;
-  // A popped pair leaves at most 8 x 8 where it was.
+  // A popped pair leaves at most 8 x 8 where it was, and each that it leaves is a level further down in a or in b.
   NodePair stack[Bvh::kMaxLevels * (BvhNode::kWidth * BvhNode::kWidth - 1) + 1];
   stack[0] = start;
   NodePair* top = stack + 1;
@@ -108,16 +111,21 @@ inline void visit_rows(std::span<const BvhNode> nodes_a, std::span<const BvhNode
     const NodePair pair = *--top;
     if (enter(pair))
       compare_children<kSelf>(
-          nodes_a, nodes_b, pair, [&](NodePair next) { *top++ = next; }, visit);
+          nodes_a, nodes_b, pair,
+          [&](const NodePair& next) {
+            prefetch_node(nodes_b[next.b]);
+            *top++ = next;
+          },
+          visit);
   }
 }
 
 template <bool kSelf, typename Visit>
 inline void visit_pairs_below(std::span<const BvhNode> nodes_a, std::span<const BvhNode> nodes_b, NodePair start,
                               Visit&& visit) {
-  visit_rows<kSelf>(
+  visit_meeting<kSelf>(
       nodes_a, nodes_b, start, [](NodePair) { return true; },
-      [&](const PrimitiveRow& row) { visit_row(nodes_a, nodes_b, row, visit); });
+      [&](const PrimitivePairs& pairs) { visit_each(nodes_a, nodes_b, pairs, visit); });
 }
 
 }  // namespace traversal
@@ -128,7 +136,7 @@ inline void visit_pairs_below(std::span<const BvhNode> nodes_a, std::span<const 
 /// @param visit  `visit(Index primitive_of_a, Index primitive_of_b)`
 template <typename Visit>
 inline void visit_pairs(std::span<const BvhNode> nodes_a, std::span<const BvhNode> nodes_b, Visit&& visit,
-                        NodePair start = {0, 0}) {
+                        NodePair start = kRoots) {
   traversal::visit_pairs_below<false>(nodes_a, nodes_b, start, visit);
 }
 
@@ -137,7 +145,7 @@ inline void visit_pairs(std::span<const BvhNode> nodes_a, std::span<const BvhNod
 ///
 /// @param visit  `visit(Index i, Index j)`
 template <typename Visit>
-inline void visit_self_pairs(std::span<const BvhNode> nodes, Visit&& visit, NodePair start = {0, 0}) {
+inline void visit_self_pairs(std::span<const BvhNode> nodes, Visit&& visit, NodePair start = kRoots) {
   traversal::visit_pairs_below<true>(nodes, nodes, start, [&](Index i, Index j) { i < j ? visit(i, j) : visit(j, i); });
 }
 

@@ -38,6 +38,14 @@ SELVAGE_INLINE int count_lanes(unsigned mask) {
 #endif
 }
 
+/// The same for 64 bits.
+SELVAGE_INLINE int lowest_bit(std::uint64_t bits) {
+  return __builtin_ctzll(bits);
+}
+SELVAGE_INLINE int count_bits(std::uint64_t bits) {
+  return __builtin_popcountll(bits);
+}
+
 #ifdef SELVAGE_SIMD_SSE2
 
 struct Float4 {
@@ -89,6 +97,16 @@ SELVAGE_INLINE unsigned less_bits(Float4 a, Float4 b) {
 SELVAGE_INLINE unsigned equal_bits(Float4 a, Float4 b) {
   return static_cast<unsigned>(
       _mm_movemask_ps(_mm_castsi128_ps(_mm_cmpeq_epi32(_mm_castps_si128(a.v), _mm_castps_si128(b.v)))));
+}
+/// Lanes of ones where a <= b, of zeros elsewhere; combine with and_bits() and or_bits(), read with sign_bits().
+SELVAGE_INLINE Float4 less_equal_lanes(Float4 a, Float4 b) {
+  return {_mm_cmple_ps(a.v, b.v)};
+}
+SELVAGE_INLINE Float4 equal_lanes(Float4 a, Float4 b) {
+  return {_mm_castsi128_ps(_mm_cmpeq_epi32(_mm_castps_si128(a.v), _mm_castps_si128(b.v)))};
+}
+SELVAGE_INLINE unsigned sign_bits(Float4 a) {
+  return static_cast<unsigned>(_mm_movemask_ps(a.v));
 }
 /// a < b ? x : y
 SELVAGE_INLINE Float4 select_less(Float4 a, Float4 b, Float4 x, Float4 y) {
@@ -179,6 +197,19 @@ SELVAGE_INLINE unsigned less_bits(const Float4& a, const Float4& b) {
 SELVAGE_INLINE unsigned equal_bits(const Float4& a, const Float4& b) {
   unsigned mask = 0;
   for (int i = 0; i < 4; ++i) mask |= static_cast<unsigned>(float_bits(a.v[i]) == float_bits(b.v[i])) << i;
+  return mask;
+}
+/// Lanes of ones where a <= b, of zeros elsewhere; combine with and_bits() and or_bits(), read with sign_bits().
+SELVAGE_INLINE Float4 less_equal_lanes(const Float4& a, const Float4& b) {
+  return Float4::lanes([&](int i) { return std::bit_cast<float>(a.v[i] <= b.v[i] ? ~0u : 0u); });
+}
+SELVAGE_INLINE Float4 equal_lanes(const Float4& a, const Float4& b) {
+  return Float4::lanes(
+      [&](int i) { return std::bit_cast<float>(float_bits(a.v[i]) == float_bits(b.v[i]) ? ~0u : 0u); });
+}
+SELVAGE_INLINE unsigned sign_bits(const Float4& a) {
+  unsigned mask = 0;
+  for (int i = 0; i < 4; ++i) mask |= static_cast<unsigned>(float_bits(a.v[i]) < 0) << i;
   return mask;
 }
 /// a < b ? x : y
@@ -274,6 +305,16 @@ SELVAGE_INLINE unsigned equal_bits(Float8 a, Float8 b) {
       _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_castps_si256(a.v), _mm256_castps_si256(b.v)))));
 #endif
 }
+// Cheaper than masks where several are combined, which AVX-512 has to bring over from registers of their own.
+SELVAGE_INLINE Float8 less_equal_lanes(Float8 a, Float8 b) {
+  return {_mm256_cmp_ps(a.v, b.v, _CMP_LE_OQ)};
+}
+SELVAGE_INLINE Float8 equal_lanes(Float8 a, Float8 b) {
+  return {_mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_castps_si256(a.v), _mm256_castps_si256(b.v)))};
+}
+SELVAGE_INLINE unsigned sign_bits(Float8 a) {
+  return static_cast<unsigned>(_mm256_movemask_ps(a.v));
+}
 // Each in both halves as for four lanes.
 SELVAGE_INLINE Float8 interleave_low(Float8 a, Float8 b) {
   return {_mm256_unpacklo_ps(a.v, b.v)};
@@ -341,6 +382,15 @@ SELVAGE_INLINE unsigned less_bits(Float8 a, Float8 b) {
 }
 SELVAGE_INLINE unsigned equal_bits(Float8 a, Float8 b) {
   return equal_bits(a.low(), b.low()) | (equal_bits(a.high(), b.high()) << 4);
+}
+SELVAGE_INLINE Float8 less_equal_lanes(Float8 a, Float8 b) {
+  return {{less_equal_lanes(a.low(), b.low()), less_equal_lanes(a.high(), b.high())}};
+}
+SELVAGE_INLINE Float8 equal_lanes(Float8 a, Float8 b) {
+  return {{equal_lanes(a.low(), b.low()), equal_lanes(a.high(), b.high())}};
+}
+SELVAGE_INLINE unsigned sign_bits(Float8 a) {
+  return sign_bits(a.low()) | (sign_bits(a.high()) << 4);
 }
 // Each in both halves as for four lanes.
 SELVAGE_INLINE Float8 interleave_low(Float8 a, Float8 b) {

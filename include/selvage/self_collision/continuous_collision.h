@@ -33,10 +33,12 @@ struct ContinuousPairs {
 /// What a search did. The same for any number of threads.
 struct ContinuousCounters {
   std::int64_t node_pairs = 0;         ///< pairs of nodes whose children were compared
+  std::int64_t self_node_pairs = 0;    ///< those of a node with itself
   std::int64_t box_pairs = 0;          ///< pairs of triangles whose boxes over the step meet
   std::int64_t vertex_face_boxes = 0;  ///< pairs of a vertex and a face that no box tells apart; each at most once
   std::int64_t edge_edge_boxes = 0;    ///< pairs of edges that no box tells apart; each at most once
-  std::int64_t cleared_nodes = 0;      ///< nodes that culling found not to need a comparison with themselves
+  std::int64_t tested_nodes = 0;       ///< nodes that culling asked whether they need a comparison with themselves
+  std::int64_t cleared_nodes = 0;      ///< nodes that culling found to need none
   std::int64_t cleared_triangles = 0;  ///< triangles in them
   std::int64_t exact_tests = 0;        ///< pairs that single precision could not decide, and that filters keep
 

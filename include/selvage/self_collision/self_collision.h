@@ -6,6 +6,7 @@
 
 #include <compare>
 #include <memory>
+#include <optional>
 #include <string_view>
 
 namespace selvage {
@@ -33,6 +34,10 @@ CullingMethod culling_method(std::string_view name);
 struct SelfCollisionOptions {
   CullingMethod method = CullingMethod::kAuto;
 
+  /// For kEnhancedDualConePublished, to compare: leave out nodes that pass all of its tests, but not what single tests
+  /// have cleared in others (EDC, algorithm 3 and Fig. 13).
+  bool simple_traversal = false;
+
   /// Also pairs of triangles that share a vertex or an edge and meet anywhere else, or share all their vertices. For
   /// discrete queries; continuous ones have no such pairs.
   bool include_adjacent = false;
@@ -55,12 +60,18 @@ struct TrianglePair {
   auto operator<=>(const TrianglePair&) const = default;
 };
 
+/// The common points of two triangles that touch or cross: a segment, of equal ends where it is a point. Nothing where
+/// they overlap in one plane or do not meet (see intersection_segment()).
+using CommonSegment = std::optional<std::array<Vec3, 2>>;
+
 /// What a search did. The same for any number of threads.
 struct SelfCollisionCounters {
   std::int64_t node_pairs = 0;         ///< pairs of nodes whose children were compared
+  std::int64_t self_node_pairs = 0;    ///< those of a node with itself
   std::int64_t box_pairs = 0;          ///< pairs of triangles whose boxes meet
   std::int64_t adjacent_pairs = 0;     ///< those that share a vertex
-  std::int64_t cleared_nodes = 0;      ///< nodes that culling found not to need a comparison with themselves
+  std::int64_t tested_nodes = 0;       ///< nodes that culling asked whether they need a comparison with themselves
+  std::int64_t cleared_nodes = 0;      ///< nodes that culling found to need none
   std::int64_t cleared_triangles = 0;  ///< triangles in them
   std::int64_t exact_tests = 0;        ///< pairs that single precision could not tell apart, and that filters keep
 
@@ -106,6 +117,15 @@ class SelfCollisionFinder {
   /// search.
   std::vector<TrianglePair> find_pairs_with(const SelfCollisionFinder& other,
                                             SelfCollisionCounters* counters = nullptr) const;
+
+  /// What the triangles of pairs have in common, one answer a pair; of triangles that share a vertex or an edge, this
+  /// included. Whether there is a segment, and whether it is a point, is exact; its ends are rounded.
+  /// @throws Error  when a triangle is out of range
+  std::vector<CommonSegment> find_segments(std::span<const TrianglePair> pairs) const;
+
+  /// The same for pairs that find_pairs_with() gave.
+  std::vector<CommonSegment> find_segments_with(const SelfCollisionFinder& other,
+                                                std::span<const TrianglePair> pairs) const;
 
  private:
   struct State;
