@@ -52,7 +52,7 @@ template <int kSteps>
 bool is_worth_asking(const SurfacePieces& pieces, GraphTest<kSteps>& test) {
   constexpr std::size_t kOneOf = 16, kFewestSampled = 16;
   // A triangle spared brings more where it would be compared during a step.
-  constexpr std::int64_t kCostShare = kSteps == 1 ? 3 : 16;
+  constexpr std::int64_t kCostShare = kSteps == 1 ? 2 : 16;
   std::vector<Index> small;
   for (std::size_t n = 0; n < pieces.ranges().size(); ++n)
     if (const Index size = pieces.ranges()[n].size(); size >= kSmallestPiece && size < 4 * kSmallestPiece)
