@@ -1,13 +1,19 @@
 #include "simulation/project_contacts.h"
 
 #include "selvage/core/parallel.h"
+#include "selvage/geometry/predicates.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 namespace selvage {
 
 namespace {
+
+constexpr std::int64_t kGrain = 1024;
+/// Part of a vertex's shortest edge that a point inside a body is sent at a time.
+constexpr double kReach = 0.25;
 
 Eigen::Map<Eigen::Vector3d> position(VertexRow& vertex) {
   return Eigen::Map<Eigen::Vector3d>(vertex.position);
@@ -39,15 +45,21 @@ class SideMobilities {
   std::array<double, 2> mobilities_{};  ///< of the point, of the surface
 };
 
-void project_contact(const Contact& contact, std::span<const Vec3> start, const Friction& friction, Grip& grip,
-                     std::span<VertexRow> vertices) {
+bool is_path(ContactKind kind) {
+  return kind == ContactKind::kVertexPath || kind == ContactKind::kEdgePath || kind == ContactKind::kCentroidPath;
+}
+
+void project_contact(const Contact& contact, std::span<const Vec3> start, std::span<const double> reaches,
+                     const Friction& friction, Grip& grip, std::span<VertexRow> vertices) {
   Vec3 offset = Vec3::Zero(), offset_before = Vec3::Zero();
   for (int i = 0; i < contact.count; ++i) {
     offset += contact.weights[i] * position(vertices[contact.vertices[i]]);
     offset_before += contact.weights[i] * start[contact.vertices[i]];
   }
-  const double depth = -contact.normal.dot(offset);
+  double depth = -contact.normal.dot(offset);
   if (!(depth > 0)) return;
+  if (is_path(contact.kind))
+    for (int i = 0; i < contact.count; ++i) depth = std::min(depth, reaches[contact.vertices[i]]);
   const SideMobilities mobilities(contact, vertices);
   double mobility = 0;
   for (int i = 0; i < contact.count; ++i)
@@ -90,9 +102,40 @@ struct MovingObstacle {
 
 }  // namespace
 
-void project_contacts(std::span<const Contact> contacts, std::span<const Vec3> start, const Friction& friction,
-                      std::span<Grip> grips, std::span<VertexRow> vertices) {
-  for (std::size_t i = 0; i < contacts.size(); ++i) project_contact(contacts[i], start, friction, grips[i], vertices);
+void leave_out_inverted(const TetMesh& mesh, std::span<const Vec3> start, std::vector<Contact>& contacts) {
+  const auto elements = mesh.elements();
+  std::vector<std::uint8_t> is_inverted(elements.size());
+  parallel_for(std::ssize(elements), kGrain, [&](std::int64_t e) {
+    const auto& [a, b, c, d] = elements[e];
+    is_inverted[e] = orientation(std::array{start[a], start[b], start[c], start[d]}) < 0;
+  });
+  std::vector<Index> turned;
+  for (std::size_t e = 0; e < elements.size(); ++e)
+    if (is_inverted[e]) turned.insert(turned.end(), elements[e].begin(), elements[e].end());
+  if (turned.empty()) return;
+  std::sort(turned.begin(), turned.end());
+  std::erase_if(contacts, [&](const Contact& contact) {
+    return std::any_of(contact.vertices.begin(), contact.vertices.begin() + contact.count,
+                       [&](Index v) { return std::binary_search(turned.begin(), turned.end(), v); });
+  });
+}
+
+std::vector<double> reaches_of(const Model& model) {
+  std::vector<double> reaches(model.mesh.vertex_count(), 0);
+  for (const auto& element : model.mesh.elements())
+    for (const Index v : element)
+      for (const Index w : element) {
+        if (v == w) continue;
+        const double reach = kReach * (model.rest_positions[v] - model.rest_positions[w]).norm();
+        if (reaches[v] == 0 || reach < reaches[v]) reaches[v] = reach;
+      }
+  return reaches;
+}
+
+void project_contacts(std::span<const Contact> contacts, std::span<const Vec3> start, std::span<const double> reaches,
+                      const Friction& friction, std::span<Grip> grips, std::span<VertexRow> vertices) {
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    project_contact(contacts[i], start, reaches, friction, grips[i], vertices);
 }
 
 std::int64_t project_obstacles(std::span<const Obstacle> obstacles, double from, double to, std::span<const Vec3> start,
@@ -101,7 +144,6 @@ std::int64_t project_obstacles(std::span<const Obstacle> obstacles, double from,
   for (const Obstacle& obstacle : obstacles)
     moving.push_back({obstacle, obstacle.motion.at(from), obstacle.motion.at(to)});
   if (moving.empty()) return 0;
-  constexpr std::int64_t kGrain = 1024;
   const auto count =
       parallel_reduce<Count>(std::ssize(start), kGrain, [&](std::int64_t first, std::int64_t last, Count& hits) {
         for (std::int64_t v = first; v < last; ++v)

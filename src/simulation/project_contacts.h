@@ -9,10 +9,23 @@ namespace selvage {
 
 /// Moves vertices out of every contact, one after the other in the order given, and holds back what slides.
 ///
-/// @param start  (n_vertices) positions at the start of the step
-/// @param grips  (n_contacts) of this step; updated
-void project_contacts(std::span<const Contact> contacts, std::span<const Vec3> start, const Friction& friction,
-                      std::span<Grip> grips, std::span<VertexRow> vertices);
+/// What is sent out of a body goes at most so far at a time as the least reach of the vertices concerned: where
+/// elements are inside out, the way that is found for a point can be a long detour, and all the way at once would turn
+/// its own elements inside out, and theirs in turn others.
+///
+/// @param start    (n_vertices) positions at the start of the step
+/// @param reaches  (n_vertices) [m]
+/// @param grips    (n_contacts) of this step; updated
+void project_contacts(std::span<const Contact> contacts, std::span<const Vec3> start, std::span<const double> reaches,
+                      const Friction& friction, std::span<Grip> grips, std::span<VertexRow> vertices);
+
+/// Takes out contacts that have a vertex of an element which is inverted at the start of the step: they have to wait
+/// until the material has turned it back. The surface of such elements lies where it should not, and contacts would
+/// hold it there.
+void leave_out_inverted(const TetMesh& mesh, std::span<const Vec3> start, std::vector<Contact>& contacts);
+
+/// For each vertex a part of its shortest edge [m]; 0 without an element.
+std::vector<double> reaches_of(const Model& model);
 
 /// Moves vertices out of obstacles, which move from their places at the time `from` to those at the time `to`.
 /// Parallel.

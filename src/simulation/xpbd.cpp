@@ -75,6 +75,7 @@ struct XpbdSolver::Parts {
   std::optional<ContactFinder> contact_finder;
   std::vector<Vec3> proposed;  ///< positions after the material solve
   std::vector<Contact> contacts;
+  std::vector<double> reaches;       ///< see project_contacts()
   std::vector<Grip> contact_grips;   ///< (n_contacts)
   std::vector<Grip> obstacle_grips;  ///< (n_vertices x n_obstacles)
   std::vector<VertexRow> vertices;   ///< as the step moves them, followed by the solver's stand-ins
@@ -100,6 +101,7 @@ struct XpbdSolver::Parts {
       std::fill_n(body_of.begin() + model.bodies[b].first_vertex, model.bodies[b].vertex_count, b);
     contact_finder.emplace(model.mesh, model.rest_positions, initial.positions, body_of, options.contact);
     proposed.resize(vertex_count());
+    reaches = reaches_of(model);
   }
 
   Index vertex_count() const { return model.mesh.vertex_count(); }
@@ -175,17 +177,19 @@ struct XpbdSolver::Parts {
     statistics.constraints += material.constraint_count() * (last - first);
   }
 
-  void find_contacts() {
+  void find_contacts(const State& state) {
     if (!contact_finder) return;
     for_each_vertex([&](Index v) { proposed[v] = position(v); });
     contact_finder->find_contacts(proposed, contacts);
     statistics.contact = contact_finder->statistics();
+    // What CCD alone lets go it never finds again.
+    if (options.contact.mode != DetectionMode::kCcd) leave_out_inverted(model.mesh, state.positions, contacts);
   }
 
   void project(const State& state, double from, double to) {
     const auto begin = std::chrono::steady_clock::now();
-    project_contacts(contacts, state.positions, {options.static_friction, options.dynamic_friction}, contact_grips,
-                     vertices);
+    project_contacts(contacts, state.positions, reaches, {options.static_friction, options.dynamic_friction},
+                     contact_grips, vertices);
     statistics.collider_contacts += project_obstacles(obstacles, from, to, state.positions, obstacle_grips, vertices);
     statistics.seconds_projection += seconds_since(begin);
   }
@@ -202,7 +206,7 @@ struct XpbdSolver::Parts {
     const int free_iterations = std::max(options.iterations / 2, 1);
     solve_material(0, free_iterations);
     check_finite(state.steps + 1);
-    find_contacts();
+    find_contacts(state);
     contact_grips.assign(contacts.size(), {});
     obstacle_grips.assign(vertex_count() * obstacles.size(), {});
     project(state, from, to);

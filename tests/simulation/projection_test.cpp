@@ -12,6 +12,7 @@ namespace {
 struct Scratch {
   std::vector<VertexRow> rows;
   std::vector<Vec3> start;
+  std::vector<double> reaches = std::vector<double>(4, 1);
   Contact contact;
   Grip grip;
 
@@ -35,7 +36,9 @@ struct Scratch {
     for (int i = 0; i < 4; ++i) gap += contact.weights[i] * contact.normal.dot(position(i));
     return gap;
   }
-  void project(Friction friction = {0, 0}) { project_contacts({&contact, 1}, start, friction, {&grip, 1}, rows); }
+  void project(Friction friction = {0, 0}) {
+    project_contacts({&contact, 1}, start, reaches, friction, {&grip, 1}, rows);
+  }
 };
 
 TEST(Projection, ClosesTheGapAndKeepsMomentumWhateverTheMasses) {
@@ -80,6 +83,33 @@ TEST(Projection, OfTwoLikeBodiesMovesBothAlike) {
   EXPECT_NEAR(scratch.moved(0)[2], 0.05, 1e-15);
   EXPECT_NEAR(scratch.moved(1)[2], -0.05, 1e-15);
   EXPECT_EQ(scratch.moved(2), Vec3::Zero().eval());
+}
+
+/// Only what a path sends out, and by the least of all reaches.
+TEST(Projection, SendsNothingFartherThanItsVerticesReach) {
+  for (const auto kind : {ContactKind::kVertexPath, ContactKind::kVertexFace}) {
+    Scratch scratch({1, 1, 1, 1}, {0.2, 0.3, 0.5}, 0.1);
+    scratch.contact.kind = kind;
+    scratch.reaches = {0.08, 0.03, 1, 1};
+    scratch.project();
+    EXPECT_NEAR(scratch.gap(), kind == ContactKind::kVertexPath ? -0.07 : 0, 1e-15);
+  }
+}
+
+TEST(Projection, LeavesOutWhatTouchesAnInvertedElement) {
+  const TetMesh mesh(8, {{0, 1, 2, 3}, {4, 5, 6, 7}});
+  std::vector<Vec3> start{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 3}, {1, 0, 3}, {0, 1, 3}, {0, 0, 4}};
+  Contact inner, outer;
+  inner.count = outer.count = 2;
+  inner.vertices = {0, 1};
+  outer.vertices = {2, 7};
+  std::vector<Contact> contacts{inner, outer};
+  leave_out_inverted(mesh, start, contacts);
+  EXPECT_EQ(contacts.size(), 2);
+  start[7] = {0, 0, 2};
+  leave_out_inverted(mesh, start, contacts);
+  ASSERT_EQ(contacts.size(), 1);
+  EXPECT_EQ(contacts[0].vertices, inner.vertices);
 }
 
 TEST(Projection, LeavesWhatIsOutsideAlone) {

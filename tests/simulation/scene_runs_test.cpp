@@ -149,6 +149,28 @@ TEST(SceneRuns, RodsThatFallHardStayOutOfOneAnotherAndWhole) {
   EXPECT_GT(tangle_of(through).deepest, 0.05);
 }
 
+/// The elements of the middle are flatter than a fifth then, and some inside out.
+TEST(SceneRuns, AFlattenedBallReturnsToItsShape) {
+  Play play(load("flattened_ball", {{"/bodies/0/mesh/tentacles", "6"}, {"/bodies/0/mesh/elements", "3000"}}));
+  const std::vector<Vec3> rest = play.state().positions;
+  play.run_frames(31);
+  for (const Vec3& p : play.state().positions) EXPECT_LE(std::abs(p[2]), 0.05 + 1e-9);
+  play.run_frames(29);
+  const Tangle end = tangle_of(play);
+  EXPECT_EQ(end.inverted, 0);
+  EXPECT_LT(end.deepest, 1e-3);
+  double changes = 0, lengths = 0;
+  for (const auto& e : play.scene().model.mesh.elements())
+    for (int a = 0; a < 4; ++a)
+      for (int b = 0; b < a; ++b) {
+        const double now = (play.state().positions[e[a]] - play.state().positions[e[b]]).norm();
+        const double before = (rest[e[a]] - rest[e[b]]).norm();
+        changes += (now - before) * (now - before);
+        lengths += before * before;
+      }
+  EXPECT_LT(std::sqrt(changes / lengths), 0.04);
+}
+
 /// What CCD has missed once it never sees again (SPB figure 9).
 TEST(SceneRuns, CcdAloneLeavesInterlockedWhatTheHybridFrees) {
   int frames_locked = 0;
