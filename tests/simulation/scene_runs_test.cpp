@@ -3,6 +3,7 @@
 #include "selvage/boundary_path/boundary_path.h"
 #include "selvage/simulation/run.h"
 #include "simulation/json_value.h"
+#include "test_scale.h"
 
 #include <gtest/gtest.h>
 
@@ -151,6 +152,7 @@ TEST(SceneRuns, RodsThatFallHardStayOutOfOneAnotherAndWhole) {
 
 /// The elements of the middle are flatter than a fifth then, and some inside out.
 TEST(SceneRuns, AFlattenedBallReturnsToItsShape) {
+  if (test::scaled(100) < 100) GTEST_SKIP() << "takes minutes with a sanitizer";
   Play play(load("flattened_ball", {{"/bodies/0/mesh/tentacles", "6"}, {"/bodies/0/mesh/elements", "3000"}}));
   const std::vector<Vec3> rest = play.state().positions;
   play.run_frames(31);
