@@ -44,7 +44,7 @@ sanitize: sanitize-memory sanitize-threads
 # FLOORS="bvh mesh": the tests of these floors alone.
 sanitize-memory: FLOORS ?= core geometry mesh bvh boundary_path self_collision contact simulation picture cli
 sanitize-memory:
-	$(INSTALL) build test
+	$(INSTALL) build test sanitize
 	$(CONFIGURE) --preset asan
 	$(BUILD) asan --target $(addprefix test_,$(FLOORS))
 	SELVAGE_TEST_SCALE=$(SANITIZE_SCALE) $(CTEST) --preset asan -L '$(LABELS)'
@@ -59,7 +59,7 @@ sanitize-threads:
 
 ## fuzz        feed every mesh reader with broken files for FUZZ_SECONDS each (10)
 fuzz:
-	$(INSTALL) build fuzz
+	$(INSTALL) build test sanitize
 	fuzz/run.sh $(or $(FUZZ_SECONDS),10)
 
 ## bench       measure the library against its peers, on Embree and CGAL

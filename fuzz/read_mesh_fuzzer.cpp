@@ -1,5 +1,5 @@
-// libFuzzer target, compiled once for each file format: whatever the bytes, reading gives a mesh that keeps every
-// promise of read_mesh, or an Error of one line.
+// libFuzzer target of each mesh file format, named fuzz_read_<format>: whatever the bytes, reading gives a mesh that
+// keeps every promise of read_mesh, or an Error of one line.
 #include "mesh/format.h"
 #include "selvage/core/error.h"
 
@@ -26,17 +26,24 @@ bool is_valid(const MeshFile& mesh) {
          are_valid(mesh.triangles, mesh.positions.size()) && are_valid(mesh.tetrahedra, mesh.positions.size());
 }
 
+std::string extension;
+
 }  // namespace
+
+extern "C" int LLVMFuzzerInitialize(int* /*argc*/, char*** argv) {
+  const std::string_view program = **argv;
+  extension = "." + std::string(program.substr(program.rfind('_') + 1));
+  return 0;
+}
 
 extern "C" int LLVMFuzzerTestOneInput(const unsigned char* bytes, std::size_t size) {
   // A pair of files is one input, split at the first zero byte.
   const std::string_view input(reinterpret_cast<const char*>(bytes), size);
-  const bool paired = std::string_view(SELVAGE_FUZZ_EXTENSION) == ".node";
+  const bool paired = extension == ".node";
   const std::size_t split = paired ? std::min(input.find('\0'), size) : size;
   const std::string_view twin = split < size ? input.substr(split + 1) : std::string_view();
   try {
-    if (!is_valid(format::parse_mesh(SELVAGE_FUZZ_EXTENSION, {input.substr(0, split), "input"}, {twin, "twin"})))
-      std::abort();
+    if (!is_valid(format::parse_mesh(extension, {input.substr(0, split), "input"}, {twin, "twin"}))) std::abort();
   } catch (const Error& error) {
     if (std::string_view(error.what()).find('\n') != std::string_view::npos) std::abort();
   }

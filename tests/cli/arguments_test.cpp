@@ -60,21 +60,13 @@ TEST(PoseArgument, WhatIsNoOptionIsRefused) {
 
 class PointsFileTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (std::filesystem::temp_directory_path() / "selvage-points-XXXXXX").string();
-    const int descriptor = mkstemp(pattern.data());
-    ASSERT_GE(descriptor, 0);
-    close(descriptor);
-    path_ = pattern;
-  }
-  void TearDown() override { std::filesystem::remove(path_); }
-
   std::vector<AskedPoint> read(const std::string& text, Index elements = 10) const {
     testing::write_text(path_, text);
     return read_points(path_, elements);
   }
 
-  std::filesystem::path path_;
+  test::TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_ / "points.csv";
 };
 
 TEST_F(PointsFileTest, PlainLines) {

@@ -15,19 +15,10 @@ using testing::write_text;
 
 class OutputTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "selvage-output-XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  std::size_t file_count() const {
-    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
-  }
+  std::size_t file_count() const { return folder_.file_count(); }
 
-  fs::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(OutputTest, FilesAppearWithTheCommit) {
@@ -59,7 +50,7 @@ TEST_F(OutputTest, NothingStaysWithoutTheCommit) {
 TEST_F(OutputTest, StagedFileKeepsFolderAndExtension) {
   OutputFiles outputs;
   const fs::path staged = outputs.stage(path("lines.vtu"));
-  EXPECT_EQ(staged.parent_path(), folder_);
+  EXPECT_EQ(staged.parent_path(), folder_.path());
   EXPECT_EQ(staged.extension(), ".vtu");
   EXPECT_NE(staged.filename(), "lines.vtu");
   EXPECT_NE(outputs.stage(path("lines.vtu")), staged);

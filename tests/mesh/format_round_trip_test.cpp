@@ -1,7 +1,6 @@
 // What is written is read back bit for bit, every format in both encodings; a failed write leaves nothing behind.
 #include "format_samples.h"
-
-#include <unistd.h>
+#include "temporary_folder.h"
 
 #include <filesystem>
 
@@ -15,17 +14,6 @@ constexpr const char* kEncodingNames[] = {" usual", " ASCII", " binary"};
 /// A folder of its own for each test, removed afterwards.
 class RoundTrip : public testing::Test {
  protected:
-  void SetUp() override {
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::temp_directory_path() / (std::string("selvage-") + test->name() + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::size_t files_in_folder() const {
-    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
-  }
-
   std::string error_of_writing(const fs::path& path, const MeshFile& mesh,
                                FileEncoding encoding = FileEncoding::kUsual) const {
     try {
@@ -59,7 +47,7 @@ class RoundTrip : public testing::Test {
     }
   }
 
-  fs::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(RoundTrip, Surfaces) {
@@ -131,7 +119,7 @@ TEST_F(RoundTrip, BinaryFormatsOfFloatsRefuseWhatNoFloatHolds) {
   for (const char* name : {"m.stl", "m.off"}) {
     EXPECT_NE(error_of_writing(folder_ / name, mesh, FileEncoding::kBinary).find("does not fit"), std::string::npos);
   }
-  EXPECT_EQ(files_in_folder(), 0u);
+  EXPECT_EQ(folder_.file_count(), 0u);
 }
 
 TEST_F(RoundTrip, GridWithFieldsAndLines) {
@@ -161,7 +149,7 @@ TEST_F(RoundTrip, ElementsThatAFormatCannotHold) {
   for (const char* name : {"m.t", "m.node", "m.ele"}) {
     EXPECT_NE(error_of_writing(folder_ / name, one_triangle()).find("holds no triangles"), std::string::npos) << name;
   }
-  EXPECT_EQ(files_in_folder(), 0u);
+  EXPECT_EQ(folder_.file_count(), 0u);
 }
 
 TEST_F(RoundTrip, MeshesThatNoFileMayHold) {
@@ -177,29 +165,29 @@ TEST_F(RoundTrip, MeshesThatNoFileMayHold) {
   EXPECT_NE(error_of_writing(path, mesh).find("vertex 2 is not finite"), std::string::npos);
   EXPECT_NE(error_of_writing(folder_ / "m.xyz", one_triangle()).find("extension '.xyz' is unknown"), std::string::npos);
   EXPECT_NE(error_of_writing(folder_ / "m", one_triangle()).find("no extension"), std::string::npos);
-  EXPECT_EQ(files_in_folder(), 0u);
+  EXPECT_EQ(folder_.file_count(), 0u);
 }
 
 TEST_F(RoundTrip, FailedWriteLeavesTheOldFile) {
   EXPECT_NE(error_of_writing(folder_ / "missing" / "m.ply", one_triangle()).find("No such file"), std::string::npos);
-  EXPECT_EQ(files_in_folder(), 0u);
+  EXPECT_EQ(folder_.file_count(), 0u);
   // A folder in the place of the file: the content is written beside it, but cannot be moved there.
   fs::create_directories(folder_ / "taken.ply" / "inside");
   EXPECT_NE(error_of_writing(folder_ / "taken.ply", one_triangle()).find("cannot be written"), std::string::npos);
-  EXPECT_EQ(files_in_folder(), 1u);
+  EXPECT_EQ(folder_.file_count(), 1u);
   write_mesh(folder_ / "old.ply", one_triangle());
   MeshFile bad = one_triangle();
   bad.triangles[0][0] = 9;
   EXPECT_FALSE(error_of_writing(folder_ / "old.ply", bad).empty());
   expect_same_mesh(read_mesh(folder_ / "old.ply"), one_triangle(), "old.ply");
-  EXPECT_EQ(files_in_folder(), 2u);
+  EXPECT_EQ(folder_.file_count(), 2u);
 }
 
 TEST_F(RoundTrip, SecondFileOfAPairFails) {
   // The element file's place is taken by a folder: the node file must not appear either.
   fs::create_directories(folder_ / "m.ele" / "inside");
   EXPECT_FALSE(error_of_writing(folder_ / "m.node", one_tetrahedron()).empty());
-  EXPECT_EQ(files_in_folder(), 1u);
+  EXPECT_EQ(folder_.file_count(), 1u);
 }
 
 TEST_F(RoundTrip, WritesThroughSymbolicLinks) {

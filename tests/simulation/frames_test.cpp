@@ -3,7 +3,7 @@
 #include "selvage/core/error.h"
 #include "selvage/mesh/shapes.h"
 #include "simulation/statistics_table.h"
-#include "simulation/temporary_folder.h"
+#include "temporary_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -12,8 +12,8 @@
 namespace selvage {
 namespace {
 
-using test::bytes_of;
-using test::put_bytes;
+using test::read_text;
+using test::write_text;
 using test::TemporaryFolder;
 
 Model make_box_model() {
@@ -67,7 +67,7 @@ TEST(Frames, LieAsDocumented) {
   header.time = 0.25;
   header.fingerprint = 77;
   write_frame(folder.path() / "f", header, std::vector<Vec3>{{1, 2, 3}, {4, 5, 6}});
-  const std::string bytes = bytes_of(folder.path() / "f");
+  const std::string bytes = read_text(folder.path() / "f");
   ASSERT_EQ(bytes.size(), 64u + 24u);
   const auto at = [&]<typename T>(std::size_t offset, T) {
     T value;
@@ -90,20 +90,20 @@ TEST(Frames, DamagedFilesAreRefused) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder.path() / "f";
   write_frame(path, {}, std::vector<Vec3>{{1, 2, 3}, {4, 5, 6}});
-  const std::string whole = bytes_of(path);
+  const std::string whole = read_text(path);
   EXPECT_THROW(read_checkpoint(path), Error);
   EXPECT_THROW(read_topology(path), Error);
   EXPECT_THROW(read_frame(folder.path() / "none"), Error);
   for (std::size_t size = 0; size < whole.size(); ++size) {
-    put_bytes(path, whole.substr(0, size));
+    write_text(path, whole.substr(0, size));
     EXPECT_THROW(read_frame(path), Error) << size;
   }
-  put_bytes(path, whole + "x");
+  write_text(path, whole + "x");
   EXPECT_THROW(read_frame(path), Error);
   for (const std::size_t offset : {0, 8, 12, 23}) {  // magic, schema, kind, a huge count
     std::string other = whole;
     other[offset] = 0x7f;
-    put_bytes(path, other);
+    write_text(path, other);
     EXPECT_THROW(read_frame(path), Error) << offset;
   }
 }

@@ -2,7 +2,7 @@
 
 #include "selvage/core/error.h"
 #include "selvage/simulation/frames.h"
-#include "simulation/temporary_folder.h"
+#include "temporary_folder.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -15,8 +15,8 @@ namespace selvage {
 namespace {
 
 namespace fs = std::filesystem;
-using test::bytes_of;
-using test::put_bytes;
+using test::read_text;
+using test::write_text;
 using test::TemporaryFolder;
 
 /// Two blocks that fall on a floor and on one another, one of them held and let go.
@@ -48,7 +48,7 @@ std::map<std::string, std::string> files_of(const fs::path& folder) {
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     const std::string name = fs::relative(entry.path(), folder).string();
     if (!entry.is_regular_file() || name == "summary.json") continue;
-    std::string bytes = bytes_of(entry.path());
+    std::string bytes = read_text(entry.path());
     if (name == "statistics.csv") {
       std::string costless;
       for (std::size_t at = 0; at < bytes.size();) {
@@ -100,7 +100,7 @@ TEST(Run, WritesWhatItSays) {
     EXPECT_EQ(files.count(name), 1u) << name;
   EXPECT_EQ(files.count("frames/frame_000007.bin"), 0u);
   EXPECT_EQ(read_frame(frame_path(options.folder, 6)).header.fingerprint, scene.fingerprint);
-  EXPECT_NE(bytes_of(options.folder / "summary.json").find("\"outcome\": \"finished\""), std::string::npos);
+  EXPECT_NE(read_text(options.folder / "summary.json").find("\"outcome\": \"finished\""), std::string::npos);
   EXPECT_NE(files.at("frames.pvd").find("vtu/frame_000004.vtu"), std::string::npos);
 }
 
@@ -118,9 +118,9 @@ TEST(Run, EndsTheSameWhereverItWasCut) {
     first.frames = cut;
     run_scene(scene, first);
     // What a kill may leave behind: a frame and a row without their checkpoint, a half line, a file half written.
-    put_bytes(frame_path(folder.path(), cut + 1), "half a frame");
-    put_bytes(folder.path() / "frames" / "frame_000009.bin.1-1.part", "x");
-    put_bytes(folder.path() / "statistics.csv", bytes_of(folder.path() / "statistics.csv") + "7,0.1,3");
+    write_text(frame_path(folder.path(), cut + 1), "half a frame");
+    write_text(folder.path() / "frames" / "frame_000009.bin.1-1.part", "x");
+    write_text(folder.path() / "statistics.csv", read_text(folder.path() / "statistics.csv") + "7,0.1,3");
     first.frames.reset();
     first.resume = true;
     const RunReport report = run_scene(scene, first);
@@ -200,7 +200,7 @@ TEST(Run, ExplosionNamesTheFrame) {
   EXPECT_LT(last, 9);
   EXPECT_NO_THROW(read_frame(frame_path(folder.path(), last)));
   EXPECT_EQ(read_checkpoint(checkpoint_path(folder.path())).header.frame, last);
-  EXPECT_NE(bytes_of(folder.path() / "summary.json").find("\"exploded\""), std::string::npos);
+  EXPECT_NE(read_text(folder.path() / "summary.json").find("\"exploded\""), std::string::npos);
 }
 
 TEST(Run, ImpossibleHandlesAreNamed) {

@@ -18,18 +18,6 @@ struct WideDouble {
   SELVAGE_INLINE static WideDouble broadcast(double x) { return {_mm512_set1_pd(x)}; }
   SELVAGE_INLINE void store(double* p) const { _mm512_storeu_pd(p, v); }
 };
-SELVAGE_INLINE WideDouble operator+(WideDouble a, WideDouble b) {
-  return {_mm512_add_pd(a.v, b.v)};
-}
-SELVAGE_INLINE WideDouble operator-(WideDouble a, WideDouble b) {
-  return {_mm512_sub_pd(a.v, b.v)};
-}
-SELVAGE_INLINE WideDouble operator*(WideDouble a, WideDouble b) {
-  return {_mm512_mul_pd(a.v, b.v)};
-}
-SELVAGE_INLINE WideDouble operator/(WideDouble a, WideDouble b) {
-  return {_mm512_div_pd(a.v, b.v)};
-}
 // Masked by all lanes: of the plain intrinsics GCC 12 says that they read what was never written. So below.
 SELVAGE_INLINE WideDouble max(WideDouble a, WideDouble b) {
   return {_mm512_maskz_max_pd(0xff, a.v, b.v)};
@@ -84,18 +72,6 @@ struct WideDouble {
   SELVAGE_INLINE static WideDouble broadcast(double x) { return {_mm256_set1_pd(x)}; }
   SELVAGE_INLINE void store(double* p) const { _mm256_storeu_pd(p, v); }
 };
-SELVAGE_INLINE WideDouble operator+(WideDouble a, WideDouble b) {
-  return {_mm256_add_pd(a.v, b.v)};
-}
-SELVAGE_INLINE WideDouble operator-(WideDouble a, WideDouble b) {
-  return {_mm256_sub_pd(a.v, b.v)};
-}
-SELVAGE_INLINE WideDouble operator*(WideDouble a, WideDouble b) {
-  return {_mm256_mul_pd(a.v, b.v)};
-}
-SELVAGE_INLINE WideDouble operator/(WideDouble a, WideDouble b) {
-  return {_mm256_div_pd(a.v, b.v)};
-}
 SELVAGE_INLINE WideDouble max(WideDouble a, WideDouble b) {
   return {_mm256_max_pd(a.v, b.v)};
 }
@@ -135,18 +111,6 @@ struct WideDouble {
   SELVAGE_INLINE static WideDouble broadcast(double x) { return {_mm_set1_pd(x)}; }
   SELVAGE_INLINE void store(double* p) const { _mm_storeu_pd(p, v); }
 };
-SELVAGE_INLINE WideDouble operator+(WideDouble a, WideDouble b) {
-  return {_mm_add_pd(a.v, b.v)};
-}
-SELVAGE_INLINE WideDouble operator-(WideDouble a, WideDouble b) {
-  return {_mm_sub_pd(a.v, b.v)};
-}
-SELVAGE_INLINE WideDouble operator*(WideDouble a, WideDouble b) {
-  return {_mm_mul_pd(a.v, b.v)};
-}
-SELVAGE_INLINE WideDouble operator/(WideDouble a, WideDouble b) {
-  return {_mm_div_pd(a.v, b.v)};
-}
 SELVAGE_INLINE WideDouble max(WideDouble a, WideDouble b) {
   return {_mm_max_pd(a.v, b.v)};
 }
@@ -182,18 +146,6 @@ struct WideDouble {
   SELVAGE_INLINE static WideDouble broadcast(double x) { return {x}; }
   SELVAGE_INLINE void store(double* p) const { *p = v; }
 };
-SELVAGE_INLINE WideDouble operator+(WideDouble a, WideDouble b) {
-  return {a.v + b.v};
-}
-SELVAGE_INLINE WideDouble operator-(WideDouble a, WideDouble b) {
-  return {a.v - b.v};
-}
-SELVAGE_INLINE WideDouble operator*(WideDouble a, WideDouble b) {
-  return {a.v * b.v};
-}
-SELVAGE_INLINE WideDouble operator/(WideDouble a, WideDouble b) {
-  return {a.v / b.v};
-}
 SELVAGE_INLINE WideDouble max(WideDouble a, WideDouble b) {
   return {a.v > b.v ? a.v : b.v};
 }
@@ -208,6 +160,20 @@ SELVAGE_INLINE void store_rows(const WideDouble (&column)[4], double* rows, cons
 }
 
 #endif
+
+// The compilers' own operators of registers, which is also what the intrinsics are made of.
+SELVAGE_INLINE WideDouble operator+(WideDouble a, WideDouble b) {
+  return {a.v + b.v};
+}
+SELVAGE_INLINE WideDouble operator-(WideDouble a, WideDouble b) {
+  return {a.v - b.v};
+}
+SELVAGE_INLINE WideDouble operator*(WideDouble a, WideDouble b) {
+  return {a.v * b.v};
+}
+SELVAGE_INLINE WideDouble operator/(WideDouble a, WideDouble b) {
+  return {a.v / b.v};
+}
 
 }  // namespace SELVAGE_ISA
 }  // namespace selvage

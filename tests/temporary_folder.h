@@ -8,11 +8,11 @@
 
 namespace selvage::test {
 
-/// A folder of its own that goes with the test.
+/// An empty folder that goes with the test.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "selvage-run-XXXXXX").string();
+    std::string pattern = (std::filesystem::temp_directory_path() / "selvage-test-XXXXXX").string();
     if (mkdtemp(pattern.data()) == nullptr) std::abort();
     path_ = pattern;
   }
@@ -23,18 +23,23 @@ class TemporaryFolder {
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
   const std::filesystem::path& path() const { return path_; }
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  std::size_t file_count() const {
+    const std::filesystem::directory_iterator first(path_), last;
+    return static_cast<std::size_t>(std::distance(first, last));
+  }
 
  private:
   std::filesystem::path path_;
 };
 
-inline std::string bytes_of(const std::filesystem::path& path) {
+inline std::string read_text(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-inline void put_bytes(const std::filesystem::path& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary) << bytes;
+inline void write_text(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
 }
 
 }  // namespace selvage::test
