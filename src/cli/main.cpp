@@ -1,4 +1,5 @@
 #include "cli/command.h"
+#include "cli/output.h"
 #include "selvage/core/error.h"
 
 #include <fcntl.h>
@@ -30,6 +31,9 @@ int report(std::string message, int status) {
 void secure_outputs() {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
+  for (const int end : {SIGINT, SIGTERM, SIGHUP}) {
+    if (std::signal(end, end_without_staged_files) == SIG_IGN) std::signal(end, SIG_IGN);  // as under nohup
+  }
   for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
     // Opened for reading, which makes writing fail.
     if (fcntl(stream, F_GETFD) < 0) open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);

@@ -6,7 +6,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 
@@ -37,6 +39,14 @@ bool is_special(const fs::path& path) {
   std::error_code ignored;
   return fs::exists(path, ignored) && !fs::is_regular_file(path, ignored) && !fs::is_directory(path, ignored);
 }
+
+/// Every path that was ever staged, for a signal handler: linked at once, never freed. The process is part of the
+/// names, so that a path which is no longer staged belongs to nobody else.
+struct StagedPath {
+  std::string path;
+  const StagedPath* next;
+};
+std::atomic<const StagedPath*> newest_staged_path = nullptr;
 
 }  // namespace
 
@@ -72,6 +82,7 @@ fs::path OutputFiles::stage(const std::string& path) {
   const std::string name =
       fmt::format(".{}.{}.{}{}", place.stem().string(), getpid(), staged_.size(), place.extension().string());
   staged_.push_back({place.parent_path() / name, place});
+  newest_staged_path = new StagedPath{staged_.back().temporary.string(), newest_staged_path};
   return staged_.back().temporary;
 }
 
@@ -109,6 +120,14 @@ void OutputFiles::commit() {
     if (error) throw Failure(fmt::format("{}: cannot write ({})", staged_.back().place.string(), error.message()));
     staged_.pop_back();
   }
+}
+
+void end_without_staged_files(int signal) {
+  for (const StagedPath* staged = newest_staged_path; staged != nullptr; staged = staged->next) {
+    unlink(staged->path.c_str());
+  }
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
 }
 
 }  // namespace selvage::cli

@@ -54,4 +54,7 @@ class OutputFiles {
   bool standard_output_ = false;
 };
 
+/// Handler of signals that end the program: removes every staged file first, then lets the signal do its work.
+void end_without_staged_files(int signal);
+
 }  // namespace selvage::cli

@@ -6,6 +6,8 @@
 
 #include <pty.h>
 
+#include <csignal>
+
 namespace selvage::cli {
 namespace {
 
@@ -45,6 +47,23 @@ TEST_F(OutputTest, NothingStaysWithoutTheCommit) {
   }
   EXPECT_EQ(read_text(path("a.csv")), "old");
   EXPECT_EQ(file_count(), 1u);
+}
+
+TEST_F(OutputTest, NothingStaysAfterAnInterrupt) {
+  write_text(path("a.csv"), "old");
+  const pid_t child = fork();
+  if (child == 0) {
+    OutputFiles outputs;
+    for (const char* name : {"a.csv", "b.vtu"}) write_text(outputs.stage(path(name)), "new");
+    std::signal(SIGINT, end_without_staged_files);
+    std::raise(SIGINT);
+    _exit(0);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGINT);
+  EXPECT_EQ(file_count(), 1u);
+  EXPECT_EQ(read_text(path("a.csv")), "old");
 }
 
 TEST_F(OutputTest, StagedFileKeepsFolderAndExtension) {
