@@ -4,6 +4,7 @@
 #include "contact/contact_parts.h"
 #include "contact/impact_contacts.h"
 #include "contact/penetration_search.h"
+#include "core/timed.h"
 #include "selvage/core/error.h"
 #include "selvage/core/parallel.h"
 #include "selvage/geometry/predicates.h"
@@ -11,7 +12,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
 
 namespace selvage {
@@ -19,14 +19,6 @@ namespace selvage {
 namespace {
 
 constexpr std::int64_t kGrain = 1024;
-
-/// Calls the body and adds the time that it takes.
-template <typename Body>
-void timed(double& seconds, Body&& body) {
-  const auto start = std::chrono::steady_clock::now();
-  body();
-  seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 void check_positions(const TetMesh& mesh, std::span<const Vec3> positions) {
   if (std::ssize(positions) != mesh.vertex_count())

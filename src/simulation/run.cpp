@@ -1,5 +1,6 @@
 #include "selvage/simulation/run.h"
 
+#include "core/timed.h"
 #include "selvage/boundary_path/boundary_path.h"
 #include "selvage/core/error.h"
 #include "simulation/run_folder.h"
@@ -7,19 +8,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <utility>
 
 namespace selvage {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// Elements whose four vertices are held, by more than one handle: nothing can mend them while these hold on.
 class HeldElements {
@@ -117,15 +111,15 @@ class Course {
 
   /// Takes the state to the end of the frame.
   FrameStatistics run_frame(State& state, std::int64_t frame) {
-    const auto start = Clock::now();
     XpbdSolver& solver = solver_of(frame);
     FrameStatistics row;
-    for (int step = 0; step < scene_.substeps; ++step) {
-      solver.step(state);
-      add_step(solver.statistics(), row);
-    }
-    measure(state, frame, row);
-    row.seconds_frame = seconds_since(start);
+    timed(row.seconds_frame, [&] {
+      for (int step = 0; step < scene_.substeps; ++step) {
+        solver.step(state);
+        add_step(solver.statistics(), row);
+      }
+      measure(state, frame, row);
+    });
     return row;
   }
 

@@ -1,5 +1,6 @@
 #include "selvage/simulation/xpbd.h"
 
+#include "core/timed.h"
 #include "selvage/contact/contact_finder.h"
 #include "selvage/core/error.h"
 #include "selvage/core/parallel.h"
@@ -8,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <optional>
 
 namespace selvage {
@@ -18,10 +18,6 @@ namespace {
 constexpr std::int64_t kGrain = 4096;
 /// Part of a step by which the rounding of times is forgiven.
 constexpr double kTimeSlack = 1e-6;
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 void check_options(const XpbdOptions& options) {
   const auto demand = [](bool good, std::string_view name, double value, std::string_view range) {
@@ -171,9 +167,7 @@ struct XpbdSolver::Parts {
   }
 
   void solve_material(int first, int last) {
-    const auto begin = std::chrono::steady_clock::now();
-    material.solve(vertices, start, first, last);
-    statistics.seconds_material += seconds_since(begin);
+    timed(statistics.seconds_material, [&] { material.solve(vertices, start, first, last); });
     statistics.constraints += material.constraint_count() * (last - first);
   }
 
@@ -187,18 +181,16 @@ struct XpbdSolver::Parts {
   }
 
   void project(const State& state, double from, double to) {
-    const auto begin = std::chrono::steady_clock::now();
-    project_contacts(contacts, state.positions, reaches, {options.static_friction, options.dynamic_friction},
-                     contact_grips, vertices);
-    statistics.collider_contacts += project_obstacles(obstacles, from, to, state.positions, obstacle_grips, vertices);
-    statistics.seconds_projection += seconds_since(begin);
+    timed(statistics.seconds_projection, [&] {
+      project_contacts(contacts, state.positions, reaches, {options.static_friction, options.dynamic_friction},
+                       contact_grips, vertices);
+      statistics.collider_contacts += project_obstacles(obstacles, from, to, state.positions, obstacle_grips, vertices);
+    });
   }
 
   /// Contacts are found where the first half of the iterations leads, and projected between the others. Projected only
   /// once, after the last, they would move a boundary whose inside stays behind: what is pressed hard turns inside out.
   void step(State& state) {
-    const auto begin = std::chrono::steady_clock::now();
-    statistics = {};
     const double from = static_cast<double>(state.steps) * options.time_step;
     const double to = static_cast<double>(state.steps + 1) * options.time_step;
     if (contact_finder) contact_finder->begin_step(state.positions);
@@ -218,7 +210,6 @@ struct XpbdSolver::Parts {
     finish(state);
     state.time = to;
     ++state.steps;
-    statistics.seconds = seconds_since(begin);
   }
 };
 
@@ -235,7 +226,8 @@ XpbdSolver& XpbdSolver::operator=(XpbdSolver&&) noexcept = default;
 
 void XpbdSolver::step(State& state) {
   check_state(parts_->model, state);
-  parts_->step(state);
+  parts_->statistics = {};
+  timed(parts_->statistics.seconds, [&] { parts_->step(state); });
 }
 
 const StepStatistics& XpbdSolver::statistics() const {
