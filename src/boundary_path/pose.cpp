@@ -3,12 +3,10 @@
 #include "boundary_path/rays.h"
 #include "boundary_path/ridge_turns.h"
 #include "boundary_path/vertex_proof.h"
-#include "selvage/core/error.h"
+#include "mesh/position_extent.h"
 #include "selvage/core/isa.h"
 #include "selvage/core/parallel.h"
 #include "selvage/geometry/predicates.h"
-
-#include <fmt/format.h>
 
 #include <atomic>
 #include <cmath>
@@ -34,36 +32,6 @@ std::int64_t count_if_parallel(std::int64_t count, Predicate&& predicate) {
 template <typename T>
 void add_relaxed(T& sum, T amount) {
   std::atomic_ref(sum).fetch_add(amount, std::memory_order_relaxed);
-}
-
-template <int D>
-struct Extent {
-  Vec<D> lower = Vec<D>::Constant(HUGE_VAL), upper = -lower;
-  bool is_finite = true;
-
-  void add(const Vec<D>& x) {
-    lower = lower.cwiseMin(x);
-    upper = upper.cwiseMax(x);
-    is_finite = is_finite && x.allFinite();
-  }
-  void add(const Extent& other) {
-    lower = lower.cwiseMin(other.lower);
-    upper = upper.cwiseMax(other.upper);
-    is_finite = is_finite && other.is_finite;
-  }
-};
-
-template <int D>
-Extent<D> extent_of(std::span<const Vec<D>> positions) {
-  const auto extent = parallel_reduce<Extent<D>>(std::ssize(positions), kGrain,
-                                                 [&](std::int64_t first, std::int64_t last, Extent<D>& result) {
-                                                   for (std::int64_t v = first; v < last; ++v) result.add(positions[v]);
-                                                 });
-  if (!extent.is_finite)
-    for (std::size_t v = 0; v < positions.size(); ++v)
-      if (!positions[v].allFinite())
-        throw Error(fmt::format("vertex {}", v), "a coordinate is not finite", "remove NaN and infinity");
-  return extent;
 }
 
 }  // namespace
@@ -96,10 +64,7 @@ bool Pose<D>::update(std::span<const Vec<D>> positions) {
 /// Scales the positions by a power of two and lays the frame.
 template <int D>
 void Pose<D>::place(std::span<const Vec<D>> positions) {
-  if (std::ssize(positions) != mesh_.vertex_count())
-    throw Error("positions", fmt::format("{} positions for {} vertices", positions.size(), mesh_.vertex_count()),
-                "give one position per vertex");
-  const auto [lower, upper, finite] = extent_of<D>(positions);
+  const auto [lower, upper, finite] = check_positions<D>(positions, mesh_.vertex_count());
   const double largest = std::max(lower.cwiseAbs().maxCoeff(), upper.cwiseAbs().maxCoeff());
   exponent_ = largest > 0 ? std::ilogb(largest) : 0;
   // By two factors: 2^-exponent itself may overflow.

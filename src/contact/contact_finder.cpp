@@ -5,6 +5,7 @@
 #include "contact/impact_contacts.h"
 #include "contact/penetration_search.h"
 #include "core/timed.h"
+#include "mesh/position_extent.h"
 #include "selvage/core/error.h"
 #include "selvage/core/parallel.h"
 #include "selvage/geometry/predicates.h"
@@ -19,15 +20,6 @@ namespace selvage {
 namespace {
 
 constexpr std::int64_t kGrain = 1024;
-
-void check_positions(const TetMesh& mesh, std::span<const Vec3> positions) {
-  if (std::ssize(positions) != mesh.vertex_count())
-    throw Error("positions", fmt::format("{} positions for {} vertices", positions.size(), mesh.vertex_count()),
-                "give one position per vertex");
-  for (std::size_t v = 0; v < positions.size(); ++v)
-    if (!positions[v].allFinite())
-      throw Error(fmt::format("vertex {}", v), "a coordinate is not finite", "remove NaN and infinity");
-}
 
 std::vector<TriangleMesh::Triangle> boundary_of(const TetMesh& mesh) {
   return {mesh.boundary_faces().begin(), mesh.boundary_faces().end()};
@@ -99,12 +91,12 @@ struct ContactFinder::State {
 ContactFinder::State::State(const TetMesh& m, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
                             std::span<const Index> vertex_objects, ContactOptions o)
     : mesh(m), options(o), surface(m.vertex_count(), boundary_of(m)) {
-  check_positions(mesh, positions);
+  check_positions<3>(positions, mesh.vertex_count());
   if (!vertex_objects.empty() && std::ssize(vertex_objects) != mesh.vertex_count())
     throw Error("vertex_objects", fmt::format("{} for {} vertices", vertex_objects.size(), mesh.vertex_count()),
                 "give one per vertex, or none at all");
   if (options.rule == ClosestPointRule::kRestPose) {
-    check_positions(mesh, rest_positions);
+    check_positions<3>(rest_positions, mesh.vertex_count());
     rest_pose.emplace(mesh, rest_positions);
   }
   if (options.rule == ClosestPointRule::kEuclidean) euclidean.emplace(mesh, vertex_objects);
@@ -117,7 +109,7 @@ ContactFinder::State::State(const TetMesh& m, std::span<const Vec3> rest_positio
 }
 
 void ContactFinder::State::begin_step(std::span<const Vec3> positions) {
-  check_positions(mesh, positions);
+  check_positions<3>(positions, mesh.vertex_count());
   statistics = {};
   positions_t0.assign(positions.begin(), positions.end());
   if (!splits()) return;
@@ -277,7 +269,7 @@ void ContactFinder::State::append_impacts_of_step(std::span<const Vec3> position
 }
 
 void ContactFinder::State::find_contacts(std::span<const Vec3> positions, std::vector<Contact>& contacts) {
-  check_positions(mesh, positions);
+  check_positions<3>(positions, mesh.vertex_count());
   contacts.clear();
   if (uses_dcd()) append_paths(positions, contacts);
   if (uses_ccd()) timed(statistics.ccd_seconds, [&] { append_impacts_of_step(positions, contacts); });

@@ -115,8 +115,7 @@ struct SelfCollisionFinder::State {
   }
 
   void place(std::span<const Vec3> positions) {
-    check_position_count(mesh, positions);
-    frame = frame_around(positions);
+    frame = frame_around(check_positions<3>(positions, mesh.vertex_count()));
     pose.place(mesh, positions, options.thickness, frame);
   }
 
@@ -223,7 +222,9 @@ std::vector<TrianglePair> SelfCollisionFinder::find_pairs_of(std::span<const Ind
 std::vector<TrianglePair> SelfCollisionFinder::find_pairs_with(const SelfCollisionFinder& other,
                                                                SelfCollisionCounters* counters) const {
   // Boxes can be compared in one frame only.
-  const PoseFrame frame = frame_around(state_->pose.positions(), other.state_->pose.positions());
+  PositionExtent<3> both = extent_of<3>(state_->pose.positions());
+  both.add(extent_of<3>(other.state_->pose.positions()));
+  const PoseFrame frame = frame_around(both);
   struct Side {
     SurfacePose pose;
     Bvh bvh;

@@ -12,50 +12,10 @@ namespace {
 
 constexpr std::int64_t kGrain = 4096;
 
-/// Corners of the box of positions; NaN does not count.
-struct Corners {
-  Vec3 lower = Vec3::Constant(HUGE_VAL), upper = Vec3::Constant(-HUGE_VAL);
-  bool finite = true;
-
-  void add(const Vec3& x) {
-    finite = finite && x.allFinite();
-    lower = lower.cwiseMin(x);
-    upper = upper.cwiseMax(x);
-  }
-  void add(const Corners& other) {
-    finite = finite && other.finite;
-    lower = lower.cwiseMin(other.lower);
-    upper = upper.cwiseMax(other.upper);
-  }
-};
-
-Corners corners_of(std::span<const Vec3> positions) {
-  return parallel_reduce<Corners>(std::ssize(positions), kGrain,
-                                  [&](std::int64_t first, std::int64_t last, Corners& corners) {
-                                    for (std::int64_t v = first; v < last; ++v) corners.add(positions[v]);
-                                  });
-}
-
-PoseFrame frame_of(const Corners& corners) {
-  return corners.lower[0] <= corners.upper[0] ? PoseFrame(corners.lower, corners.upper) : PoseFrame();
-}
-
 }  // namespace
 
-PoseFrame frame_around(std::span<const Vec3> positions) {
-  const Corners corners = corners_of(positions);
-  if (!corners.finite) {
-    std::size_t v = 0;
-    while (positions[v].allFinite()) ++v;
-    throw Error(fmt::format("vertex {}", v), "a coordinate is not finite", "remove NaN and infinity");
-  }
-  return frame_of(corners);
-}
-
-PoseFrame frame_around(std::span<const Vec3> a, std::span<const Vec3> b) {
-  Corners corners = corners_of(a);
-  corners.add(corners_of(b));
-  return frame_of(corners);
+PoseFrame frame_around(const PositionExtent<3>& extent) {
+  return extent.lower[0] <= extent.upper[0] ? PoseFrame(extent.lower, extent.upper) : PoseFrame();
 }
 
 void check_thickness(const TriangleMesh& mesh, std::span<const double> thickness) {
@@ -65,12 +25,6 @@ void check_thickness(const TriangleMesh& mesh, std::span<const double> thickness
   for (std::size_t v = 0; v < thickness.size(); ++v)
     if (!(thickness[v] >= 0 && std::isfinite(thickness[v])))
       throw Error(fmt::format("vertex {}", v), "its thickness is no length", "give a number that is not negative");
-}
-
-void check_position_count(const TriangleMesh& mesh, std::span<const Vec3> positions) {
-  if (std::ssize(positions) != mesh.vertex_count())
-    throw Error("positions", fmt::format("{} positions for {} vertices", positions.size(), mesh.vertex_count()),
-                "give one position per vertex");
 }
 
 void SurfacePose::place(const TriangleMesh& mesh, std::span<const Vec3> positions, std::span<const double> thickness,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "mesh/position_extent.h"
 #include "self_collision/pose_frame.h"
 #include "selvage/mesh/triangle_mesh.h"
 
@@ -29,17 +30,10 @@ class SurfacePose {
   std::vector<float> thickness_;
 };
 
-/// The frame of some positions.
-/// @throws Error  when a coordinate is not finite
-PoseFrame frame_around(std::span<const Vec3> positions);
-
-/// The frame of two sets of positions together, all finite.
-PoseFrame frame_around(std::span<const Vec3> a, std::span<const Vec3> b);
+/// The frame of positions of this extent.
+PoseFrame frame_around(const PositionExtent<3>& extent);
 
 /// @throws Error  when there is neither no thickness nor one per vertex, or one is no length
 void check_thickness(const TriangleMesh& mesh, std::span<const double> thickness);
-
-/// @throws Error  when there is not one position per vertex
-void check_position_count(const TriangleMesh& mesh, std::span<const Vec3> positions);
 
 }  // namespace selvage
