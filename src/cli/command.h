@@ -41,6 +41,7 @@ Command add_info(CLI::App& app);
 Command add_make(CLI::App& app);
 Command add_check(CLI::App& app);
 Command add_paths(CLI::App& app);
+Command add_resolve(CLI::App& app);
 Command add_simulate(CLI::App& app);
 Command add_bench(CLI::App& app);
 

@@ -82,8 +82,8 @@ int run_program(int argc, char** argv) {
   app.footer(
       "`selvage COMMAND --help` explains a command and shows an example.\n"
       "Exit status: 0 done, 1 done and `check` found collisions, 2 bad usage or bad input, 3 the computation failed.");
-  const std::array commands{add_info(app),  add_make(app),     add_check(app),
-                            add_paths(app), add_simulate(app), add_bench(app)};
+  const std::array commands{add_info(app),    add_make(app),     add_check(app), add_paths(app),
+                            add_resolve(app), add_simulate(app), add_bench(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

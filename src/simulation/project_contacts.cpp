@@ -19,60 +19,63 @@ Eigen::Map<Eigen::Vector3d> position(VertexRow& vertex) {
   return Eigen::Map<Eigen::Vector3d>(vertex.position);
 }
 
-/// For both sides of a contact the inverse of the mean mass of its free vertices, weighed as in the contact: by it they
-/// all count. By their own, a light vertex among heavy ones would be thrown many times as far as the contact is deep,
-/// and its elements turned inside out; this way nothing moves much farther, and momentum is kept all the same.
-class SideMobilities {
+/// The vertices of both sides of a contact. Those of one side all count by the mean of their masses, weighed as in the
+/// contact: by their own, a light vertex among heavy ones would be thrown many times as far as the contact is deep, and
+/// its elements turned inside out; this way nothing moves much farther, and momentum is kept all the same.
+class ContactSides {
  public:
-  SideMobilities(const Contact& contact, std::span<const VertexRow> vertices) {
+  ContactSides(const Contact& contact, std::span<VertexRow> vertices) : contact_(contact), vertices_(vertices) {
     std::array<double, 2> weights{}, masses{};
     for (int i = 0; i < contact.count; ++i) {
       const double inverse_mass = vertices[contact.vertices[i]].inverse_mass;
       if (!(inverse_mass > 0)) continue;
-      weights[side(contact.weights[i])] += std::abs(contact.weights[i]);
-      masses[side(contact.weights[i])] += std::abs(contact.weights[i]) / inverse_mass;
+      weights[side(i)] += std::abs(contact.weights[i]);
+      masses[side(i)] += std::abs(contact.weights[i]) / inverse_mass;
     }
     for (int s = 0; s < 2; ++s) mobilities_[s] = masses[s] > 0 ? weights[s] / masses[s] : 0;
+    for (int i = 0; i < contact.count; ++i) mobility_ += mobility(i) * contact.weights[i] * contact.weights[i];
   }
 
-  double of(const VertexRow& vertex, double weight) const {
-    return vertex.inverse_mass > 0 ? mobilities_[side(weight)] : 0;
+  bool can_move() const { return mobility_ > 0; }
+
+  /// Changes the offset between the two by a vector.
+  void move_apart(const Vec3& correction) {
+    for (int i = 0; i < contact_.count; ++i)
+      position(vertices_[contact_.vertices[i]]) += mobility(i) * contact_.weights[i] / mobility_ * correction;
   }
 
  private:
-  static int side(double weight) { return weight > 0 ? 0 : 1; }
+  int side(int i) const { return contact_.weights[i] > 0 ? 0 : 1; }
+  double mobility(int i) const { return vertices_[contact_.vertices[i]].inverse_mass > 0 ? mobilities_[side(i)] : 0; }
 
+  const Contact& contact_;
+  std::span<VertexRow> vertices_;
   std::array<double, 2> mobilities_{};  ///< of the point, of the surface
+  double mobility_ = 0;
 };
 
 bool is_path(ContactKind kind) {
   return kind == ContactKind::kVertexPath || kind == ContactKind::kEdgePath || kind == ContactKind::kCentroidPath;
 }
 
+Vec3 offset_of_rows(const Contact& contact, std::span<VertexRow> vertices) {
+  Vec3 offset = Vec3::Zero();
+  for (int i = 0; i < contact.count; ++i) offset += contact.weights[i] * position(vertices[contact.vertices[i]]);
+  return offset;
+}
+
 void project_contact(const Contact& contact, std::span<const Vec3> start, std::span<const double> reaches,
                      const Friction& friction, Grip& grip, std::span<VertexRow> vertices) {
-  Vec3 offset = Vec3::Zero(), offset_before = Vec3::Zero();
-  for (int i = 0; i < contact.count; ++i) {
-    offset += contact.weights[i] * position(vertices[contact.vertices[i]]);
-    offset_before += contact.weights[i] * start[contact.vertices[i]];
-  }
+  const Vec3 offset = offset_of_rows(contact, vertices);
   double depth = -contact.normal.dot(offset);
   if (!(depth > 0)) return;
   if (is_path(contact.kind))
     for (int i = 0; i < contact.count; ++i) depth = std::min(depth, reaches[contact.vertices[i]]);
-  const SideMobilities mobilities(contact, vertices);
-  double mobility = 0;
-  for (int i = 0; i < contact.count; ++i)
-    mobility +=
-        mobilities.of(vertices[contact.vertices[i]], contact.weights[i]) * contact.weights[i] * contact.weights[i];
-  if (!(mobility > 0)) return;
+  ContactSides sides(contact, vertices);
+  if (!sides.can_move()) return;
   const Vec3 out = depth * contact.normal;
-  const Vec3 displacement = offset + out - offset_before;
-  const Vec3 correction = out + friction_correction(displacement, contact.normal, depth, friction, grip);
-  for (int i = 0; i < contact.count; ++i) {
-    VertexRow& vertex = vertices[contact.vertices[i]];
-    position(vertex) += mobilities.of(vertex, contact.weights[i]) * contact.weights[i] / mobility * correction;
-  }
+  const Vec3 displacement = offset + out - offset_of(contact, start);
+  sides.move_apart(out + friction_correction(displacement, contact.normal, depth, friction, grip));
 }
 
 struct Count {
@@ -136,6 +139,15 @@ void project_contacts(std::span<const Contact> contacts, std::span<const Vec3> s
                       const Friction& friction, std::span<Grip> grips, std::span<VertexRow> vertices) {
   for (std::size_t i = 0; i < contacts.size(); ++i)
     project_contact(contacts[i], start, reaches, friction, grips[i], vertices);
+}
+
+void push_apart(std::span<const Contact> contacts, const Push& push, std::span<VertexRow> vertices) {
+  for (const Contact& contact : contacts) {
+    const double gap = contact.normal.dot(offset_of_rows(contact, vertices));
+    const double depth = std::min(push.clearance - gap, push.at_most);
+    ContactSides sides(contact, vertices);
+    if (depth > 0 && sides.can_move()) sides.move_apart(depth * contact.normal);
+  }
 }
 
 std::int64_t project_obstacles(std::span<const Obstacle> obstacles, double from, double to, std::span<const Vec3> start,

@@ -27,6 +27,15 @@ void leave_out_inverted(const TetMesh& mesh, std::span<const Vec3> start, std::v
 /// For each vertex a part of its shortest edge [m]; 0 without an element.
 std::vector<double> reaches_of(const Model& model);
 
+/// How far points are pushed out of surfaces.
+struct Push {
+  double clearance;  ///< to be in front of the surface [m]
+  double at_most;    ///< in one projection [m]
+};
+
+/// Moves vertices out of every contact, one after the other in the order given, without friction.
+void push_apart(std::span<const Contact> contacts, const Push& push, std::span<VertexRow> vertices);
+
 /// Moves vertices out of obstacles, which move from their places at the time `from` to those at the time `to`.
 /// Parallel.
 ///

@@ -1,0 +1,87 @@
+#include "cli/program.h"
+#include "selvage/mesh/mesh_file.h"
+
+#include <nlohmann/json.hpp>
+
+namespace selvage::testing {
+namespace {
+
+using Resolve = ProgramTest;
+
+TEST_F(Resolve, WritesTheMeshAndSaysWhatItDid) {
+  run_well("make box --cell 0.25 --pose overlap,dx=0.8,dy=0.1 -o tangled.vtu -q");
+  EXPECT_EQ(run("check tangled.vtu").status, 1);
+  const Outcome outcome = run_well("resolve tangled.vtu -o out.t --json report.json");
+  for (const char* word : {"tangled.vtu", "resolved after", "triangle pairs", "moved", "volume", "elastic energy"})
+    EXPECT_NE(outcome.out.find(word), std::string::npos) << outcome.out << "without " << word;
+  EXPECT_EQ(run_well("check out.t").status, 0);
+  EXPECT_EQ(read_mesh(file("out.t")).tetrahedra, read_mesh(file("tangled.vtu")).tetrahedra);
+
+  const auto json = nlohmann::json::parse(read_text(file("report.json")));
+  EXPECT_EQ(json["schema"], 1);
+  EXPECT_EQ(json["kind"], "resolve");
+  EXPECT_EQ(json["outcome"], "resolved");
+  EXPECT_GT(json["before"]["triangle_pairs"], 0);
+  EXPECT_EQ(json["after"]["triangle_pairs"], 0);
+  EXPECT_EQ(json["after"]["penetrating_vertices"], 0);
+  EXPECT_EQ(json["iterations"][0], json["before"]);
+  EXPECT_EQ(json["iterations"].back(), json["after"]);
+  EXPECT_GT(json["displacement"]["max"], 0);
+  EXPECT_TRUE(json["tangled_elements"].empty());
+  EXPECT_EQ(run_well("resolve tangled.vtu -o again.t -q --threads 1").out, "");
+  EXPECT_EQ(read_text(file("again.t")), read_text(file("out.t")));
+}
+
+TEST_F(Resolve, LeavesAnUntangledMeshAsItIs) {
+  run_well("make torus --elements 2000 -o torus.vtu -q");
+  run_well("resolve torus.vtu -o out.vtu -q");
+  EXPECT_EQ(read_text(file("out.vtu")), read_text(file("torus.vtu")));
+}
+
+TEST_F(Resolve, SaysWhatIsStuckAndWritesNoMesh) {
+  run_well("make box --cell 0.25 --pose overlap,dx=0.8 -o tangled.vtu -q");
+  expect_refused("resolve tangled.vtu -o out.vtu --pin-box -9 -9 -9 9 9 9 --patience 3 --json report.json", 3,
+                 {"tangled.vtu: is stuck after 3 iterations", "pairs of triangles", "elements in the way"});
+  EXPECT_EQ(files(), (std::vector<std::string>{"report.json", "tangled.vtu"}));
+  const auto json = nlohmann::json::parse(read_text(file("report.json")));
+  EXPECT_EQ(json["outcome"], "stuck");
+  EXPECT_FALSE(json["tangled_elements"].empty());
+  EXPECT_EQ(json["displacement"]["moved_vertices"], 0);
+  expect_refused("resolve tangled.vtu -o out.vtu --max-displacement 0.001 --patience 3", 3, {"is stuck"});
+  expect_refused("resolve tangled.vtu -o out.vtu --iterations 1", 3, {"is not resolved after 1 iterations"});
+}
+
+TEST_F(Resolve, PinsWhatAFileLists) {
+  run_well("make box --cell 0.25 --pose overlap,dx=0.8 -o tangled.vtu -q");
+  write_text(file("pins.txt"), "# the first box's corner\n\n 0 \n1\r\n");
+  const MeshFile before = read_mesh(file("tangled.vtu"));
+  run_well("resolve tangled.vtu -o out.vtu --pin pins.txt --json report.json -q");
+  EXPECT_EQ(nlohmann::json::parse(read_text(file("report.json")))["pinned_vertices"], 2);
+  const MeshFile after = read_mesh(file("out.vtu"));
+  EXPECT_EQ(after.positions[0], before.positions[0]);
+  EXPECT_EQ(after.positions[1], before.positions[1]);
+}
+
+TEST_F(Resolve, RefusesWithOneLine) {
+  run_well("make box --cell 0.5 -o box.vtu -q");
+  run_well("make box --cell 0.25 -o finer.vtu -q");
+  run_well("make cloth --cell 0.5 -o cloth.obj -q");
+  write_text(file("far.txt"), "0\n1000\n");
+  write_text(file("word.txt"), "zero\n");
+  expect_refused("resolve none.vtu -o out.vtu", 2, {"none.vtu"});
+  expect_refused("resolve cloth.obj -o out.vtu", 2, {"cloth.obj", "no tetrahedron"});
+  expect_refused("resolve box.vtu", 2, {"--output"});
+  expect_refused("resolve box.vtu -o -", 2, {"standard output"});
+  expect_refused("resolve box.vtu -o box.vtu", 2, {"box.vtu"});
+  expect_refused("resolve box.vtu -o out.xyz", 2, {"out.xyz"});
+  expect_refused("resolve box.vtu -o out.vtu --rest finer.vtu", 2, {"finer.vtu", "other vertices or elements"});
+  expect_refused("resolve box.vtu -o out.vtu --pin far.txt", 2, {"far.txt:2", "no vertex 1000"});
+  expect_refused("resolve box.vtu -o out.vtu --pin word.txt", 2, {"word.txt:1", "'zero'"});
+  expect_refused("resolve box.vtu -o out.vtu --max-displacement 0", 2, {"--max-displacement"});
+  expect_refused("resolve box.vtu -o out.vtu --clearance 0", 2, {"clearance"});
+  EXPECT_EQ(run("resolve --help").status, 0);
+  EXPECT_FALSE(fs::exists(file("out.vtu")));
+}
+
+}  // namespace
+}  // namespace selvage::testing
