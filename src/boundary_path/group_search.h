@@ -1,7 +1,7 @@
 #pragma once
 
 #include "boundary_path/face_view.h"
-#include "boundary_path/search.h"
+#include "boundary_path/search_faces.h"
 #include "boundary_path/walk_bundle.h"
 
 #include <bit>

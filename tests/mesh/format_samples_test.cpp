@@ -192,8 +192,7 @@ TEST(CorpusSample, CutAndDamagedFilesNeverCrash) {
   const auto attempt = [&](const std::string& extension, std::string_view bytes) {
     const std::size_t split = extension == ".node" ? std::min(bytes.find('\0'), bytes.size()) : bytes.size();
     try {
-      parse(extension, bytes.substr(0, split),
-            split < bytes.size() ? bytes.substr(split + 1) : std::string_view());
+      parse(extension, bytes.substr(0, split), split < bytes.size() ? bytes.substr(split + 1) : std::string_view());
       ++read;
     } catch (const Error&) {
       ++refused;

@@ -13,8 +13,8 @@ namespace selvage {
 namespace {
 
 using test::read_text;
-using test::write_text;
 using test::TemporaryFolder;
+using test::write_text;
 
 Model make_box_model() {
   const MeshFile box = make_box({1, 1, 1}, 0.5);

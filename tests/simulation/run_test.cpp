@@ -16,8 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::read_text;
-using test::write_text;
 using test::TemporaryFolder;
+using test::write_text;
 
 /// Two blocks that fall on a floor and on one another, one of them held and let go.
 std::string falling_blocks(const std::string& changes = "") {

@@ -60,10 +60,9 @@ struct ResolveReport {
 ///
 /// Every vertex, edge and centroid that is inside an element goes the shortest path to the boundary while an elastic
 /// material keeps the shape (SPB section 5.2: no CCD, all points); crossings take one side. Then the material comes to
-/// rest as far as all stays out. Nothing has a velocity: each iteration relaxes from
-/// where vertices are. Only vertices near a tangle may move; what they move wakes its neighbours. All others, and so
-/// every vertex of a mesh that is not tangled, keep their positions bit for bit. The same bits for any number of
-/// threads.
+/// rest as far as all stays out. Nothing has a velocity: each iteration relaxes from where vertices are. Only vertices
+/// near a tangle may move; what they move wakes its neighbours. All others, and so every vertex of a mesh that is not
+/// tangled, keep their positions bit for bit. The same bits for any number of threads.
 ///
 /// @param mesh       topology, all objects in one
 /// @param positions  (n_vertices x 3) [m]; moved, also where the mesh is not resolved

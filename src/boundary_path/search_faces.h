@@ -1,0 +1,195 @@
+#pragma once
+
+#include "boundary_path/search.h"
+
+/// What a Search does with one boundary face: whether it is a candidate, whether a neighbour comes closer, and where
+/// its segment leads.
+namespace selvage {
+inline namespace SELVAGE_ISA {
+
+/// Boundary faces that have all the vertices on which p lies.
+template <int D>
+bool Search<D>::is_excluded(Index face) const {
+  if (query_.source[0] == kNone) return false;
+  const auto& ids = scene_.face_stars[face].vertices;
+  return contains(ids, query_.source[0]) && (query_.source[1] == kNone || contains(ids, query_.source[1]));
+}
+
+template <int D>
+bool Search<D>::is_new(Index face) {
+  Index& slot = seen_[face % kRemembered];
+  if (slot == face) return false;
+  slot = face;
+  return true;
+}
+
+template <int D>
+void Search<D>::consider(Index face, bool follow) {
+  while (face != kNone && is_new(face)) {
+    if (scene_.face_stars[face].component != component_ || is_excluded(face)) return;
+    if (scene_.inverted_owner[face]) return;
+    if (counters_ != nullptr) ++counters_->faces_visited;
+    const auto estimate = candidates_.estimate(face);
+    const double limit = reject_above_ + estimate.error;
+    if (estimate.squared_distance > limit * limit) return;
+    if (!estimate.ambiguous && is_known(face, estimate.mask)) return;
+    const Candidate<D> candidate = candidates_.make(face, estimate);
+    if (is_worse(candidate) || was_dismissed(candidate.ids)) return;
+    if (is_zero(candidate.offset)) return test_touching(candidate);
+    const Index closer = scene_.options.cull_infeasible_regions ? closer_neighbour(candidate) : kNone;
+    if (closer == kNone) return test(candidate);
+    if (counters_ != nullptr) ++counters_->culled;
+    dismiss(candidate);
+    face = follow ? closer : kNone;
+  }
+}
+
+/// Farther than the answer. Of candidates that are equally far in double precision the one inside the larger feature is
+/// taken, which is a rounding away from the other (and which culling would leave), then the one on the smaller face.
+template <int D>
+bool Search<D>::is_worse(const Candidate<D>& candidate) const {
+  if (candidate.squared_distance != squared_bound()) return candidate.squared_distance > squared_bound();
+  if (candidate.squared_distance != best_squared_) return false;
+  if (candidate.target.count != best_.target.count) return candidate.target.count < best_.target.count;
+  if (candidate.ids == best_.ids && !follows_inverted_rules(candidate) && !is_split(scene_, candidate)) return true;
+  return smallest_face(candidate) >= smallest_face(best_);
+}
+
+/// Whether the feature is that of the answer so far, or known not to be that of any.
+template <int D>
+bool Search<D>::is_known(Index face, unsigned mask) const {
+  VertexTuple<D> ids;
+  ids.fill(kNone);
+  int count = 0;
+  for (int k = 0; k < D; ++k)
+    if ((mask >> k & 1) != 0) ids[count++] = scene_.face_stars[face].vertices[k];
+  if (count == D) return false;
+  if (count == 2 && ids[0] > ids[1]) std::swap(ids[0], ids[1]);
+  return (best_.face != kNone && ids == best_.ids && !follows_inverted_rules(best_) && !is_split(scene_, best_)) ||
+         was_dismissed(ids);
+}
+
+template <int D>
+bool Search<D>::was_dismissed(const VertexTuple<D>& ids) const {
+  for (int i = 0; i < std::min(dismissed_count_, kDismissed); ++i)
+    if (dismissed_[i] == ids) return true;
+  return false;
+}
+
+/// The feature is not that of the answer, through whatever face it is found.
+template <int D>
+void Search<D>::dismiss(const Candidate<D>& candidate) {
+  if (candidate.target.count < D && !follows_inverted_rules(candidate) && !is_split(scene_, candidate))
+    dismissed_[dismissed_count_++ % kDismissed] = candidate.ids;
+}
+
+/// A face next to the candidate's vertex or edge that comes closer to p: then the candidate is not the answer (SPB
+/// section 3.6). kNone when there is none, when rounding leaves a doubt, or when the argument does not hold there.
+template <int D>
+Index Search<D>::closer_neighbour(const Candidate<D>& candidate) const {
+  if (candidate.target.count == D) return kNone;
+  if (!(std::sqrt(candidate.squared_distance) < safe_distance_)) return kNone;
+  const auto comes_closer = [&](Index from, Index to) {
+    const Vec<D>&a = scene_.positions[from], &b = scene_.positions[to];
+    double slope = 0, bound = 0;
+    for (int i = 0; i < D; ++i) {
+      const double step = b[i] - a[i];
+      slope += candidate.offset[i] * step;
+      bound += (8 * kUnitRoundoff * std::abs(candidate.offset[i]) + candidate.offset_error) * std::abs(step);
+    }
+    return slope < -2 * bound - kTrustAbove;
+  };
+  const FaceStar<D>& star = scene_.face_stars[candidate.face];
+  const auto proves_nothing = [&](Index face) { return !may_cull_towards_source() && is_excluded(face); };
+  const auto neighbour = [&](int k, Index from) {
+    const Index other = scene_.boundary_neighbours[candidate.face][k];
+    return proves_nothing(other) || !comes_closer(from, star.apexes[k]) ? kNone : other;
+  };
+  if (candidate.target.count == 2) {
+    const Index a = candidate.ids[0], b = candidate.ids[1];
+    if (!scene_.cullable[a] && !scene_.cullable[b]) return kNone;
+    int k = 0;
+    while (star.vertices[k] == a || star.vertices[k] == b) ++k;
+    return neighbour(k, a);
+  }
+  const Index v = candidate.ids[0];
+  if (!scene_.cullable[v]) return kNone;
+  for (int k = 0; k < D; ++k) {
+    const Index closer = star.vertices[k] == v ? kNone : neighbour(k, v);
+    if (closer != kNone) return closer;
+  }
+  for (Index face : scene_.mesh->vertex_boundary_faces(v)) {
+    if (proves_nothing(face)) continue;
+    for (Index w : scene_.face_stars[face].vertices)
+      if (w != v && comes_closer(v, w)) return face;
+  }
+  return kNone;
+}
+
+/// p itself lies on the face. It is a candidate only for a penetrating vertex or edge that touches it.
+template <int D>
+void Search<D>::test_touching(const Candidate<D>& candidate) {
+  if (query_.source[0] == kNone) return;
+  if (Walk<D>(scene_, query_, strictly_inside_, counters_).is_on(candidate.face)) accept(candidate);
+}
+
+template <int D>
+void Search<D>::test(const Candidate<D>& candidate) {
+  if (is_aiming_ && may_postpone(candidate)) {
+    target_ = candidate;
+    return;
+  }
+  const Walk<D> walk(scene_, query_, strictly_inside_, counters_);
+  const double distance = std::sqrt(candidate.squared_distance);
+  WalkResult result;
+  if (follows_inverted_rules(candidate))
+    result.valid = walk.follow_backwards(candidate);
+  else
+    result = walk.follow(candidate, state_ == ComponentState::kImmersed && squared_bound() == kInfinity);
+  if (result.valid) return accept(candidate);
+  dismiss(candidate);
+  const double length = distance * (result.left_at + kLeftAtError) * kBoundSlack;
+  if (result.left_through == kNone || is_excluded(result.left_through) || !(length < safe_distance_)) return;
+  left_through_ = result.left_through;
+  known_squared_ = std::min(known_squared_, length * length);
+  reject_above_ = std::sqrt(squared_bound()) * kBoundSlack;
+}
+
+template <int D>
+void Search<D>::accept(const Candidate<D>& candidate) {
+  best_ = candidate;
+  best_squared_ = candidate.squared_distance;
+  reject_above_ = std::sqrt(squared_bound()) * kBoundSlack;
+}
+
+/// A rounding may have made an infeasible candidate win over the closer one beside it. Culling would have led to that
+/// one.
+template <int D>
+void Search<D>::settle() {
+  if (scene_.options.cull_infeasible_regions) return;  // then it has been asked already
+  constexpr int kMostSteps = 16;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const Index closer = closer_neighbour(best_);
+    if (closer == kNone || is_excluded(closer) || is_zero(best_.offset)) return;
+    const Candidate<D> candidate = candidates_.make(closer, candidates_.estimate(closer));
+    if (candidate.squared_distance > best_squared_ * kBoundSlack) return;
+    best_ = candidate;
+  }
+}
+
+/// The smallest boundary face at the same corner of the material that has the same closest point: none that is left out
+/// or that comes closer behind the corner.
+template <int D>
+Index Search<D>::smallest_face(const Candidate<D>& candidate) const {
+  Index smallest = candidate.face;
+  if (follows_inverted_rules(candidate)) return smallest;  // each face has a path of its own
+  visit_feature<D>(scene_.boundary_faces, scene_.boundary_neighbours, candidate.face, candidate.ids,
+                   candidate.target.count, [&](Index face) {
+                     if (face >= smallest || is_excluded(face) || scene_.inverted_owner[face]) return;
+                     if (candidates_.make(face, candidates_.estimate(face)).ids == candidate.ids) smallest = face;
+                   });
+  return smallest;
+}
+
+}  // namespace SELVAGE_ISA
+}  // namespace selvage
