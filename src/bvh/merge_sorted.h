@@ -28,7 +28,8 @@ std::vector<Item> merge_sorted(std::span<const std::vector<Item>> lists, Index k
       items[std::atomic_ref(place[std::invoke(key, item)]).fetch_add(1, std::memory_order_relaxed)] = item;
   });
   parallel_for(key_count, 1024, [&](std::int64_t i) {
-    std::sort(items.begin() + (i == 0 ? 0 : place[i - 1]), items.begin() + place[i]);
+    const std::int64_t first = i == 0 ? 0 : place[i - 1];
+    if (place[i] - first > 1) std::sort(items.begin() + first, items.begin() + place[i]);
   });
   return items;
 }

@@ -52,18 +52,29 @@ std::optional<TriangleContact> meeting_elsewhere(const DiscreteScene& scene, con
   return classify_contact(corners_a, corners_b);
 }
 
+bool is_wanted(const DiscreteScene& scene, Index first, Index second) {
+  return scene.filter == nullptr || scene.filter->keeps_triangles(first, second);
+}
+
+void note_pair(const DiscreteScene& scene, Index first, Index second, TriangleContact contact, DiscreteResult& result) {
+  if (scene.one_surface && second < first) std::swap(first, second);
+  result.pairs.push_back({first, second, contact});
+  if (result.stop != nullptr) result.stop->store(true, std::memory_order_relaxed);
+}
+
 }  // namespace
 
 void decide_pair(const DiscreteScene& scene, Index first, Index second, DiscreteResult& result) {
-  if (scene.filter != nullptr && !scene.filter->keeps_triangles(first, second)) return;
+  if (!is_wanted(scene, first, second)) return;
   ++result.counters.exact_tests;
   VertexTuple<3> a = scene.a.triangles[first], b = scene.b.triangles[second];
   const int shared = scene.one_surface ? bring_shared_first(a, b) : 0;
   const auto contact = shared == 0 ? meeting(scene, a, b) : meeting_elsewhere(scene, a, b, shared);
-  if (!contact) return;
-  if (scene.one_surface && second < first) std::swap(first, second);
-  result.pairs.push_back({first, second, *contact});
-  if (result.stop != nullptr) result.stop->store(true, std::memory_order_relaxed);
+  if (contact) note_pair(scene, first, second, *contact, result);
+}
+
+void take_crossing_pair(const DiscreteScene& scene, Index first, Index second, DiscreteResult& result) {
+  if (is_wanted(scene, first, second)) note_pair(scene, first, second, TriangleContact::kCrossing, result);
 }
 
 }  // namespace selvage

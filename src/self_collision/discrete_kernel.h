@@ -4,11 +4,11 @@
 
 namespace selvage {
 
-// Finds the pairs of triangles below a pair of nodes, of a surface with itself or of two hierarchies; and those among
-// listed pairs (primitive of a, primitive of b).
-#define SELVAGE_DISCRETE_KERNEL                                                     \
-  void find_self_collisions(const DiscreteScene&, NodePair start, DiscreteResult&); \
-  void find_collisions(const DiscreteScene&, NodePair start, DiscreteResult&);      \
+// Finds the pairs of triangles in a piece of a search of a surface against itself, or below a pair of nodes of two
+// hierarchies; and those among listed pairs (primitive of a, primitive of b).
+#define SELVAGE_DISCRETE_KERNEL                                                       \
+  void find_self_collisions(const DiscreteScene&, const SelfPiece&, DiscreteResult&); \
+  void find_collisions(const DiscreteScene&, NodePair start, DiscreteResult&);        \
   void test_listed_pairs(const DiscreteScene&, std::span<const IndexPair>, DiscreteResult&);
 namespace baseline {
 SELVAGE_DISCRETE_KERNEL
@@ -23,5 +23,8 @@ SELVAGE_DISCRETE_KERNEL
 
 /// Decides a pair of triangles (of a, of b) exactly and notes it where it counts. Compiled once, for every x86-64.
 void decide_pair(const DiscreteScene& scene, Index first, Index second, DiscreteResult& result);
+
+/// Notes a pair that is known to cross, where it counts.
+void take_crossing_pair(const DiscreteScene& scene, Index first, Index second, DiscreteResult& result);
 
 }  // namespace selvage

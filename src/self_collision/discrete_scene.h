@@ -1,5 +1,7 @@
 #pragma once
 
+#include "self_collision/leaf_vertices.h"
+#include "self_collision/neighbour_pair.h"
 #include "self_collision/spared_nodes.h"
 #include "selvage/self_collision/self_collision.h"
 
@@ -8,11 +10,6 @@
 namespace selvage {
 
 class PairFilter;
-
-/// Vertices of the children of a node that are triangles, one row a corner, so that eight are compared at once.
-struct alignas(32) LeafVertices {
-  Index corners[3][BvhNode::kWidth];
-};
 
 /// One of the two surfaces that a search compares.
 struct SurfaceView {
@@ -34,6 +31,7 @@ struct DiscreteScene {
   const std::uint8_t* in_subset;  ///< per triangle of b whether it is in a; null: a is no part of b
   const PairFilter* filter;       ///< null: keeps all
   SparedNodes spared = {};
+  std::span<const NeighbourPair> neighbours = {};  ///< of a search of a surface against itself
 };
 
 /// What one piece of a search brings.

@@ -1,5 +1,6 @@
 #include "bvh/merge_sorted.h"
 #include "self_collision/discrete_kernel.h"
+#include "self_collision/neighbour_pairs.h"
 #include "self_collision/pair_filter.h"
 #include "self_collision/self_culling.h"
 #include "self_collision/surface_pose.h"
@@ -20,21 +21,9 @@ namespace {
 constexpr std::array<std::string_view, 7> kMethodNames{
     "bvh", "normal-cone", "dual-cone", "dual-cone-internal", "enhanced-dual-cone", "enhanced-dual-cone-published",
     "auto"};
-constexpr std::size_t kPieces = 512;  ///< enough that threads stay busy where pieces differ in size
-
-/// Vertices of the triangles in the leaves, per node.
-std::vector<LeafVertices> list_leaf_vertices(const Bvh& bvh, std::span<const VertexTuple<3>> triangles,
-                                             std::span<const Index> triangle_of) {
-  std::vector<LeafVertices> leaves(bvh.nodes().size());
-  parallel_for(std::ssize(leaves), 1024, [&](std::int64_t n) {
-    const BvhNode& node = bvh.nodes()[n];
-    for (int i = 0; i < BvhNode::kWidth; ++i) {
-      const bool is_leaf = i < node.child_count && node.children[i] >= 0;
-      const Index t = !is_leaf ? kNone : triangle_of.empty() ? node.children[i] : triangle_of[node.children[i]];
-      for (int k = 0; k < 3; ++k) leaves[n].corners[k][i] = is_leaf ? triangles[t][k] : kNone;
-    }
-  });
-  return leaves;
+/// Enough that threads stay busy where pieces differ in size, and not so many that they are hardly begun.
+std::size_t piece_count(const Bvh& bvh) {
+  return std::clamp<std::size_t>(bvh.nodes().size() / 64, 16, 512);
 }
 
 void check_triangle(const TriangleMesh& mesh, Index t) {
@@ -45,16 +34,16 @@ void check_triangle(const TriangleMesh& mesh, Index t) {
 
 /// Searches all pieces of the work in parallel, and brings their results together.
 ///
-/// @param search  `search(NodePair, DiscreteResult&)`
-std::vector<TrianglePair> search_all(const DiscreteScene& scene, const PairWork& work, Index first_count,
-                                     std::atomic<bool>* stop, SelfCollisionCounters* counters,
-                                     void (*search)(const DiscreteScene&, NodePair, DiscreteResult&)) {
+/// @param search  `search(piece, DiscreteResult&)`
+template <typename Work, typename Search>
+std::vector<TrianglePair> search_all(const DiscreteScene& scene, const Work& work, const SelfCollisionCounters& cutting,
+                                     Index first_count, std::atomic<bool>* stop, SelfCollisionCounters* counters,
+                                     Search&& search) {
   std::vector<DiscreteResult> results(work.pieces.size() + 1);
-  results.back().counters.node_pairs = work.compared;
-  results.back().counters.self_node_pairs = work.compared_selves;
+  results.back().counters = cutting;
   for (DiscreteResult& result : results) result.stop = stop;
   SELVAGE_DISPATCH(test_listed_pairs, scene, work.found, results.back());
-  parallel_for(std::ssize(work.pieces), 1, [&](std::int64_t i) { search(scene, work.pieces[i], results[i]); });
+  parallel_for(std::ssize(work.pieces), 1, [&](std::int64_t i) { search(work.pieces[i], results[i]); });
   std::vector<std::vector<TrianglePair>> lists;
   for (DiscreteResult& result : results) {
     lists.push_back(std::move(result.pairs));
@@ -63,11 +52,11 @@ std::vector<TrianglePair> search_all(const DiscreteScene& scene, const PairWork&
   return merge_sorted(std::span<const std::vector<TrianglePair>>(lists), first_count, &TrianglePair::first);
 }
 
-void search_self(const DiscreteScene& scene, NodePair start, DiscreteResult& result) {
-  SELVAGE_DISPATCH(find_self_collisions, scene, start, result);
-}
-void search_two(const DiscreteScene& scene, NodePair start, DiscreteResult& result) {
-  SELVAGE_DISPATCH(find_collisions, scene, start, result);
+std::vector<TrianglePair> search_two(const DiscreteScene& scene, const PairWork& work, Index first_count,
+                                     SelfCollisionCounters* counters) {
+  return search_all(
+      scene, work, {.node_pairs = work.compared}, first_count, nullptr, counters,
+      [&](const NodePair& piece, DiscreteResult& result) { SELVAGE_DISPATCH(find_collisions, scene, piece, result); });
 }
 
 }  // namespace
@@ -104,6 +93,7 @@ struct SelfCollisionFinder::State {
   SurfacePose pose;
   Bvh bvh;
   std::vector<LeafVertices> leaves;
+  std::vector<NeighbourPair> neighbours;
   SurfacePieces pieces;
   GraphTest<1> graph_test;
   SparedPairs spared;
@@ -120,8 +110,9 @@ struct SelfCollisionFinder::State {
   }
 
   void build() {
-    bvh = Bvh(pose.boxes());
-    leaves = list_leaf_vertices(bvh, mesh.triangles(), {});
+    bvh = Bvh(pose.boxes(mesh));
+    leaves = list_leaf_vertices(bvh, mesh.triangles());
+    neighbours = list_neighbours(bvh, leaves);
     if (is_culling()) pieces = SurfacePieces(mesh, bvh);
   }
 
@@ -134,7 +125,7 @@ struct SelfCollisionFinder::State {
 
   void update(std::span<const Vec3> positions) {
     place(positions);
-    bvh.refit(pose.boxes());
+    pose.refit(mesh, leaves, bvh);
     if (bvh.quality_loss() > Bvh::kRebuildAbove) build();
     cull();
   }
@@ -166,9 +157,12 @@ struct SelfCollisionFinder::State {
     DiscreteScene scene = self_scene();
     scene.spared = spared.nodes();
     if (counters != nullptr) spared.counters.add_to(*counters);
-    const PairWork work = split_self_pair_work(
-        bvh, kPieces, [&](NodePair pair) { return !scene.spared.do_hold(bvh.nodes().data(), pair); });
-    return search_all(scene, work, mesh.triangle_count(), stop, counters, search_self);
+    scene.neighbours = neighbours;
+    const SelfWork work = split_self_work(bvh, neighbours, scene.spared, piece_count(bvh));
+    return search_all(scene, work, work.counters, mesh.triangle_count(), stop, counters,
+                      [&](const SelfPiece& piece, DiscreteResult& result) {
+                        SELVAGE_DISPATCH(find_self_collisions, scene, piece, result);
+                      });
   }
 };
 
@@ -206,7 +200,7 @@ std::vector<TrianglePair> SelfCollisionFinder::find_pairs_of(std::span<const Ind
     check_triangle(s.mesh, t);
     if (std::exchange(in_subset[t], 1) != 0)
       throw Error(fmt::format("triangle {}", t), "is given twice", "give each triangle once");
-    boxes.push_back(s.pose.boxes()[t]);
+    boxes.push_back(s.pose.box(s.mesh, t));
   }
   const Bvh part(boxes);
   const std::vector<LeafVertices> leaves = list_leaf_vertices(part, s.mesh.triangles(), triangles);
@@ -215,8 +209,7 @@ std::vector<TrianglePair> SelfCollisionFinder::find_pairs_of(std::span<const Ind
   scene.a.leaves = leaves.data();
   scene.a.triangle_of = triangles.data();
   scene.in_subset = in_subset.data();
-  return search_all(scene, split_pair_work(part, s.bvh, kPieces), s.mesh.triangle_count(), nullptr, counters,
-                    search_two);
+  return search_two(scene, split_pair_work(part, s.bvh, piece_count(s.bvh)), s.mesh.triangle_count(), counters);
 }
 
 std::vector<TrianglePair> SelfCollisionFinder::find_pairs_with(const SelfCollisionFinder& other,
@@ -232,7 +225,7 @@ std::vector<TrianglePair> SelfCollisionFinder::find_pairs_with(const SelfCollisi
   const auto bring = [&](const State& s) {
     Side side{{}, s.bvh};
     side.pose.place(s.mesh, s.pose.positions(), s.options.thickness, frame);
-    side.bvh.refit(side.pose.boxes());
+    side.pose.refit(s.mesh, s.leaves, side.bvh);
     return side;
   };
   const Side a = bring(*state_), b = bring(*other.state_);
@@ -240,8 +233,7 @@ std::vector<TrianglePair> SelfCollisionFinder::find_pairs_with(const SelfCollisi
     return State::view(s.mesh, side.pose, side.bvh, s.leaves, s.options.thickness);
   };
   const DiscreteScene scene{view(*state_, a), view(*other.state_, b), false, false, nullptr, nullptr};
-  return search_all(scene, split_pair_work(a.bvh, b.bvh, kPieces), state_->mesh.triangle_count(), nullptr, counters,
-                    search_two);
+  return search_two(scene, split_pair_work(a.bvh, b.bvh, piece_count(b.bvh)), state_->mesh.triangle_count(), counters);
 }
 
 std::vector<CommonSegment> SelfCollisionFinder::find_segments(std::span<const TrianglePair> pairs) const {

@@ -12,15 +12,15 @@ struct WideCorner {
 };
 
 /// Gathers eight rows (x, y, z, any) into a corner.
-SELVAGE_INLINE WideCorner gather_corner(const std::array<float, 4>* rows, const Index (&vertices)[8]) {
-  Float4 low[4], high[4];
-  for (int i = 0; i < 4; ++i) {
-    low[i] = Float4::load(rows[vertices[i]].data());
-    high[i] = Float4::load(rows[vertices[i + 4]].data());
-  }
-  transpose(low[0], low[1], low[2], low[3]);
-  transpose(high[0], high[1], high[2], high[3]);
-  return {Float8::join(low[0], high[0]), Float8::join(low[1], high[1]), Float8::join(low[2], high[2])};
+///
+/// @param vertex  `Index vertex(int lane)`
+template <typename Vertex>
+SELVAGE_INLINE WideCorner gather_corner(const std::array<float, 4>* rows, Vertex&& vertex) {
+  const auto row = [&](int lane) { return Float4::load(rows[vertex(lane)].data()); };
+  Float8 pairs[4];
+  for (int i = 0; i < 4; ++i) pairs[i] = Float8::join(row(i), row(i + 4));
+  transpose(pairs[0], pairs[1], pairs[2], pairs[3]);
+  return {pairs[0], pairs[1], pairs[2]};
 }
 
 SELVAGE_INLINE WideCorner operator-(const WideCorner& a, const WideCorner& b) {
@@ -36,32 +36,56 @@ SELVAGE_INLINE Float8 negative(Float8 a) {
   return Float8::broadcast(0) - a;
 }
 SELVAGE_INLINE Float8 magnitude(Float8 a) {
-  return max(a, negative(a));
+  return and_bits(a, Float8::broadcast(std::bit_cast<float>(0x7fffffff)));
 }
 /// Largest magnitude of a coordinate.
 SELVAGE_INLINE Float8 reach(const WideCorner& a) {
   return max(max(magnitude(a.x), magnitude(a.y)), magnitude(a.z));
 }
 
-/// Lanes in which the points all lie strictly on one side of the triangle's plane, and farther from it than `distance`.
-/// Each coordinate is off by at most kFrameRounding, which the answer allows for.
-SELVAGE_INLINE unsigned beside_plane(const WideCorner (&triangle)[3], const WideCorner (&points)[3], Float8 distance) {
+/// How far a difference of two positions may be off, no coordinate of it being larger than `far`: by two roundings of
+/// positions, its own, and its share of what products and sums of six products of three differences round off.
+SELVAGE_INLINE Float8 difference_error(Float8 far) {
+  return Float8::broadcast(2 * kFrameRounding) + far * Float8::broadcast(0x1p-22f);
+}
+
+/// Heights of three points over the plane of a triangle, times the length of its normal.
+struct WideHeights {
+  Float8 values[3];
+  Float8 bound;   ///< how far they may be off, each coordinate being off by at most kFrameRounding
+  Float8 length;  ///< the normal is not longer
+};
+
+SELVAGE_INLINE WideHeights heights_over(const WideCorner (&triangle)[3], const WideCorner (&points)[3]) {
   const WideCorner u = triangle[1] - triangle[0], v = triangle[2] - triangle[0], normal = cross(u, v);
   const WideCorner w[3] = {points[0] - triangle[0], points[1] - triangle[0], points[2] - triangle[0]};
-  const Float8 heights[3] = {dot(normal, w[0]), dot(normal, w[1]), dot(normal, w[2])};
   const Float8 edge_reach = max(reach(u), reach(v));
   const Float8 far_reach = max(edge_reach, max(max(reach(w[0]), reach(w[1])), reach(w[2])));
-  // A height is a sum of six products of three differences, each off by `error` (two roundings of positions, its own,
-  // and its share of what products and sums round off): by 6 (2 edge_reach far_reach + edge_reach^2) times that.
-  const Float8 error = Float8::broadcast(2 * kFrameRounding) + far_reach * Float8::broadcast(0x1p-22f);
-  Float8 bound = error * edge_reach * far_reach * Float8::broadcast(20) + Float8::broadcast(1e-30f);
+  // By 6 (2 edge_reach far_reach + edge_reach^2) times the error of a difference.
+  const Float8 error = difference_error(far_reach);
   // The true normal is at most 1.8 edge_reach long for each edge_reach of an edge: 3 covers its error as well.
-  const Float8 longest = sqrt(dot(normal, normal)) * Float8::broadcast(1.00001f) +
-                         error * edge_reach * Float8::broadcast(8) + Float8::broadcast(1e-18f);
-  bound = bound + distance * longest;
-  const Float8 lowest = min(min(heights[0], heights[1]), heights[2]);
-  const Float8 highest = max(max(heights[0], heights[1]), heights[2]);
+  return {{dot(normal, w[0]), dot(normal, w[1]), dot(normal, w[2])},
+          error * edge_reach * far_reach * Float8::broadcast(20) + Float8::broadcast(1e-30f),
+          sqrt(dot(normal, normal)) * Float8::broadcast(1.00001f) + error * edge_reach * Float8::broadcast(8) +
+              Float8::broadcast(1e-18f)};
+}
+
+/// Lanes in which the points all lie on one side of the plane, at least as high as the bound.
+SELVAGE_INLINE unsigned lie_beyond(const WideHeights& heights, Float8 bound) {
+  const Float8 lowest = min(min(heights.values[0], heights.values[1]), heights.values[2]);
+  const Float8 highest = max(max(heights.values[0], heights.values[1]), heights.values[2]);
   return less_equal(bound, lowest) | less_equal(highest, negative(bound));
+}
+
+/// Lanes in which the points all lie strictly on one side of the triangle's plane, and farther from it than
+/// `distance`.
+SELVAGE_INLINE unsigned beside_plane(const WideCorner (&triangle)[3], const WideCorner (&points)[3], Float8 distance) {
+  const WideHeights heights = heights_over(triangle, points);
+  return lie_beyond(heights, heights.bound + distance * heights.length);
+}
+SELVAGE_INLINE unsigned beside_plane(const WideCorner (&triangle)[3], const WideCorner (&points)[3]) {
+  const WideHeights heights = heights_over(triangle, points);
+  return lie_beyond(heights, heights.bound);
 }
 
 /// How far the height of a point along a direction may be off; the point is relative to another, and no coordinate of

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "mesh/position_extent.h"
+#include "self_collision/leaf_vertices.h"
 #include "self_collision/pose_frame.h"
 #include "selvage/mesh/triangle_mesh.h"
 
@@ -16,17 +17,21 @@ class SurfacePose {
   std::span<const Vec3> positions() const { return positions_; }
 
   /// Per vertex its place in the frame, each coordinate rounded down to a float (the rest 0).
-  std::span<const std::array<float, 4>> rounded() const { return lower_; }
+  std::span<const std::array<float, 4>> rounded() const { return rounded_; }
 
-  /// Per triangle, in the frame: its box, and its thickness rounded up, around which the box lies. Without thickness
-  /// there is no entry.
-  std::span<const Box> boxes() const { return boxes_; }
+  /// Per triangle, in the frame: its thickness rounded up. Without thickness there is no entry.
   std::span<const float> thickness() const { return thickness_; }
+
+  /// Boxes in the frame, around a triangle and its thickness.
+  Box box(const TriangleMesh& mesh, Index triangle) const;
+  std::vector<Box> boxes(const TriangleMesh& mesh) const;
+
+  /// Refits a hierarchy over the triangles, whose vertices are known as those of its leaves.
+  void refit(const TriangleMesh& mesh, std::span<const LeafVertices> leaves, Bvh& bvh) const;
 
  private:
   std::vector<Vec3> positions_;
-  std::vector<std::array<float, 4>> lower_, upper_;
-  std::vector<Box> boxes_;
+  std::vector<std::array<float, 4>> rounded_;
   std::vector<float> thickness_;
 };
 

@@ -46,23 +46,35 @@ SELVAGE_INLINE unsigned inner_children(const BvhNode& node) {
   return less_bits(Float8::load(reinterpret_cast<const float*>(node.children)), Float8::broadcast(0)) & node.present();
 }
 
-/// Which children of two nodes meet. All 64 pairs, and no branch: neighbours meet in most rows, never in the same ones.
-SELVAGE_INLINE std::uint64_t meeting_children(const BvhNode& a, const BvhNode& b) {
-  std::uint64_t bits = 0;
-  for (int i = 0; i < BvhNode::kWidth; ++i)
-    bits |= std::uint64_t{overlapping_children(b, WideBox(a.box(i)))} << BvhNode::kWidth * i;
-  return bits & rows_below(a.child_count);
+/// Pairs of children that are primitives, absent ones among them.
+SELVAGE_INLINE std::uint64_t primitive_pairs(const BvhNode& a, const BvhNode& b) {
+  return ~rows_below(count_lanes(inner_children(a))) & ~columns(inner_children(b));
 }
 
-/// Compares the children of two nodes, or for a self-pair those of one node with one another. Primitives that meet go
-/// to `visit(PrimitivePairs)`, pairs with nodes to `push(NodePair)`: the primitives of a node stay together.
-template <bool kSelf, typename Push, typename Visit>
-SELVAGE_INLINE void compare_children(std::span<const BvhNode> nodes_a, std::span<const BvhNode> nodes_b, NodePair pair,
+/// Which children of two nodes meet. All 64 pairs, and no branch: neighbours meet in most rows, never in the same ones.
+SELVAGE_INLINE std::uint64_t meeting_children(const BvhNode& a, const BvhNode& b) {
+  Float8 lower[3], upper[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    lower[axis] = Float8::load(b.lower[axis]);
+    upper[axis] = Float8::load(b.upper[axis]);
+  }
+  std::uint64_t bits = 0;
+  for (int i = 0; i < BvhNode::kWidth; ++i) {
+    const auto meet_along = [&](int axis) {
+      return and_bits(less_equal_lanes(lower[axis], Float8::broadcast(a.upper[axis][i])),
+                      less_equal_lanes(Float8::broadcast(a.lower[axis][i]), upper[axis]));
+    };
+    bits |= std::uint64_t{sign_bits(and_bits(and_bits(meet_along(0), meet_along(1)), meet_along(2)))}
+            << BvhNode::kWidth * i;
+  }
+  return bits & rows_below(a.child_count) & columns(b.present());
+}
+
+/// Hands on pairs of children of two nodes, of those in the mask `meeting`: primitives to `visit(PrimitivePairs)`,
+/// pairs with nodes to `push(NodePair)`: the primitives of a node stay together.
+template <typename Push, typename Visit>
+SELVAGE_INLINE void hand_on_children(const BvhNode& a, const BvhNode& b, NodePair pair, std::uint64_t meeting,
                                      Push&& push, Visit&& visit) {
-  const BvhNode& a = nodes_a[pair.a];
-  const BvhNode& b = nodes_b[pair.b];
-  std::uint64_t meeting = meeting_children(a, b);
-  if (kSelf && pair.a == pair.b) meeting &= kAboveDiagonal;
   const unsigned inner_a = inner_children(a), inner_b = inner_children(b);
   const std::uint64_t inner_rows = rows_below(count_lanes(inner_a)), inner_columns = columns(inner_b);
   if (const std::uint64_t bits = meeting & ~inner_rows & ~inner_columns; bits != 0) visit({pair.a, pair.b, bits});
@@ -76,13 +88,29 @@ SELVAGE_INLINE void compare_children(std::span<const BvhNode> nodes_a, std::span
   for (unsigned rest = rows_in(meeting & inner_rows & ~inner_columns); rest != 0; rest &= rest - 1)
     push(NodePair{node_a(lowest_lane(rest)), pair.b, false, true});
   if (pair.primitives_of_b) return;
-  if (kSelf && pair.a == pair.b)
-    for (unsigned rest = inner_a; rest != 0; rest &= rest - 1)
-      push(NodePair{node_a(lowest_lane(rest)), node_a(lowest_lane(rest)), false, false});
   for (std::uint64_t rest = meeting & inner_rows & inner_columns; rest != 0; rest &= rest - 1) {
     const int bit = lowest_bit(rest);
     push(NodePair{node_a(bit / BvhNode::kWidth), node_b(bit % BvhNode::kWidth), false, false});
   }
+}
+
+/// Compares the children of two nodes, or for a self-pair those of one node with one another, and hands on those that
+/// meet.
+template <bool kSelf, typename Push, typename Visit>
+SELVAGE_INLINE void compare_children(std::span<const BvhNode> nodes_a, std::span<const BvhNode> nodes_b, NodePair pair,
+                                     Push&& push, Visit&& visit) {
+  const BvhNode& a = nodes_a[pair.a];
+  const BvhNode& b = nodes_b[pair.b];
+  std::uint64_t meeting = meeting_children(a, b);
+  if (kSelf && pair.a == pair.b) {
+    meeting &= kAboveDiagonal;
+    if (!pair.primitives_of_a && !pair.primitives_of_b)
+      for (unsigned rest = inner_children(a); rest != 0; rest &= rest - 1) {
+        const Index child = ~a.children[lowest_lane(rest)];
+        push(NodePair{child, child, false, false});
+      }
+  }
+  hand_on_children(a, b, pair, meeting, push, visit);
 }
 
 /// Calls `visit(primitive of a, primitive of b)` for each pair.

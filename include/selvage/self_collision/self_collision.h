@@ -73,7 +73,7 @@ struct SelfCollisionCounters {
   std::int64_t tested_nodes = 0;       ///< nodes that culling asked whether they need a comparison with themselves
   std::int64_t cleared_nodes = 0;      ///< nodes that culling found to need none
   std::int64_t cleared_triangles = 0;  ///< triangles in them
-  std::int64_t exact_tests = 0;        ///< pairs that single precision could not tell apart, and that filters keep
+  std::int64_t exact_tests = 0;        ///< pairs that single precision could not decide, and that filters keep
 
   SelfCollisionCounters& operator+=(const SelfCollisionCounters& other);
 };
