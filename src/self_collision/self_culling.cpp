@@ -51,22 +51,23 @@ void clear_from_root(const Bvh& bvh, const SurfacePieces& pieces, Index smallest
 template <int kSteps>
 bool is_worth_asking(const SurfacePieces& pieces, GraphTest<kSteps>& test) {
   constexpr std::size_t kOneOf = 16, kFewestSampled = 16;
-  // A triangle spared brings more where it would be compared during a step.
-  constexpr std::int64_t kCostShare = kSteps == 1 ? 2 : 16;
+  // What has to be clear for one that is asked: a triangle spared brings more where it would be compared during a step.
+  constexpr double kWorthwhileShare = kSteps == 1 ? 0.75 : 1.0 / 16;
   std::vector<Index> small;
   for (std::size_t n = 0; n < pieces.ranges().size(); ++n)
     if (const Index size = pieces.ranges()[n].size(); size >= kSmallestPiece && size < 4 * kSmallestPiece)
       small.push_back(static_cast<Index>(n));
-  if (small.size() < kOneOf * kFewestSampled) return true;
+  if (small.size() < kFewestSampled) return true;
+  const std::size_t step = std::min(kOneOf, small.size() / kFewestSampled);
   std::int64_t asked = 0, clear = 0;
   typename GraphTest<kSteps>::Workspace workspace;
-  for (std::size_t i = 0; i < small.size(); i += kOneOf) {
+  for (std::size_t i = 0; i < small.size(); i += step) {
     const SurfacePieces::Range range = pieces.ranges()[small[i]];
     test.measure(range);
     asked += range.size();
     if (test.is_graph(small[i], workspace)) clear += range.size();
   }
-  return clear * kCostShare >= asked;
+  return static_cast<double>(clear) >= kWorthwhileShare * static_cast<double>(asked);
 }
 
 struct NoWorkspace {};
