@@ -74,7 +74,7 @@ void run_make(MakeOptions& options) {
                                 {"vertices", mesh.positions.size()},
                                 {"tetrahedra", mesh.tetrahedra.size()},
                                 {"triangles", mesh.triangles.size()}};
-  write_mesh(options.output, mesh, encoding_of(options));
+  outputs.write_mesh(options.output, mesh, encoding_of(options));
   watch.lap("write");
   for (const auto& [phase, seconds] : watch.laps()) result["seconds"][phase] = seconds;
   outputs.write_text(options.common.json, json_text(result) + "\n");

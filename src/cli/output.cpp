@@ -34,6 +34,29 @@ void write_all(std::FILE* file, std::string_view text, const std::string& name) 
   if (!written) fail_to_write(name);
 }
 
+/// Where a link leads, so that it stays a link.
+fs::path place_of(const fs::path& path) {
+  return fs::is_symlink(path) ? normal_path(path) : path;
+}
+
+/// Lets `write` write at `staged` what users know by another name; in messages, too.
+void write_under_name(const fs::path& name, const fs::path& staged, const std::function<void(const fs::path&)>& write) {
+  const auto renamed = [&](const Error& error) {
+    std::string message = error.what();
+    const std::string known = fs::path(name).replace_extension().string();
+    const std::string unknown = fs::path(staged).replace_extension().string();
+    const std::size_t at = message.find(unknown);
+    return at == std::string::npos ? message : message.replace(at, unknown.size(), known);
+  };
+  try {
+    write(staged);
+  } catch (const SystemError& error) {
+    throw Failure(renamed(error));
+  } catch (const Error& error) {
+    throw Error("", renamed(error));
+  }
+}
+
 /// A device or a pipe, which must not be replaced by a file.
 bool is_special(const fs::path& path) {
   std::error_code ignored;
@@ -78,24 +101,29 @@ void OutputFiles::expect(const std::string& path, const std::vector<fs::path>& i
 }
 
 fs::path OutputFiles::stage(const std::string& path) {
-  const fs::path place = fs::is_symlink(path) ? normal_path(path) : fs::path(path);
+  const fs::path place = place_of(path);
   const std::string name =
       fmt::format(".{}.{}.{}{}", place.stem().string(), getpid(), staged_.size(), place.extension().string());
-  staged_.push_back({place.parent_path() / name, place});
-  newest_staged_path = new StagedPath{staged_.back().temporary.string(), newest_staged_path};
+  stage_at(place.parent_path() / name, place);
   return staged_.back().temporary;
 }
 
+void OutputFiles::stage_at(const fs::path& temporary, const fs::path& place) {
+  staged_.push_back({temporary, place});
+  newest_staged_path = new StagedPath{temporary.string(), newest_staged_path};
+}
+
 void OutputFiles::write_file(const std::string& path, const std::function<void(const fs::path&)>& write) {
+  write_under_name(path, stage(path), write);
+}
+
+void OutputFiles::write_mesh(const std::string& path, const MeshFile& mesh, FileEncoding encoding) {
+  const auto write = [&](const fs::path& to) { selvage::write_mesh(to, mesh, encoding); };
+  if (is_special(path)) return write_under_name(path, path, write);
   const fs::path staged = stage(path);
-  try {
-    write(staged);
-  } catch (const SystemError& error) {
-    std::string message = error.what();
-    const std::size_t name = message.find(staged.string());
-    if (name != std::string::npos) message.replace(name, staged.string().size(), path);
-    throw Failure(message);
-  }
+  const auto temporaries = files_of_mesh(staged), places = files_of_mesh(path);
+  for (std::size_t i = 1; i < places.size(); ++i) stage_at(temporaries[i], place_of(places[i]));
+  write_under_name(path, staged, write);
 }
 
 void OutputFiles::write_text(const std::string& path, std::string_view text) {
@@ -114,6 +142,9 @@ void OutputFiles::write_text(const std::string& path, std::string_view text) {
 }
 
 void OutputFiles::commit() {
+  // Asked before anything is moved, so that none appears without the others.
+  for (const Staged& file : staged_)
+    if (fs::is_directory(file.place)) throw Failure(fmt::format("{}: cannot write (is a folder)", file.place.string()));
   while (!staged_.empty()) {
     std::error_code error;
     fs::rename(staged_.back().temporary, staged_.back().place, error);

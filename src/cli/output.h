@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cli/command.h"
+#include "selvage/mesh/mesh_file.h"
 
 #include <filesystem>
 #include <functional>
@@ -31,7 +32,11 @@ class OutputFiles {
 
   /// Lets `write` write an output at the path that it is given: that of stage().
   /// @throws Failure  when it raises a SystemError, with the output's own name in the message
+  /// @throws Error    the one that it raises, likewise
   void write_file(const std::string& path, const std::function<void(const std::filesystem::path&)>& write);
+
+  /// The same for a mesh; both files of a TetGen pair.
+  void write_mesh(const std::string& path, const MeshFile& mesh, FileEncoding encoding = FileEncoding::kUsual);
 
   /// Writes text to its place: standard output and devices at once, a file when commit() is called.
   /// @throws Failure  when it cannot be written
@@ -48,6 +53,8 @@ class OutputFiles {
   struct Staged {
     std::filesystem::path temporary, place;
   };
+
+  void stage_at(const std::filesystem::path& temporary, const std::filesystem::path& place);
 
   std::vector<std::filesystem::path> expected_;
   std::vector<Staged> staged_;

@@ -174,8 +174,7 @@ void run_resolve(ResolveCommandOptions& options) {
   const ResolveReport report = resolve(options, mesh);
   watch.lap("resolve");
   const bool resolved = report.outcome == ResolveOutcome::kResolved;
-  // Checked and asked for only now: a mesh that is not resolved is not written.
-  if (resolved) write_mesh(options.output, mesh);
+  if (resolved) outputs.write_mesh(options.output, mesh);
   watch.lap("write");
   outputs.write_text(options.common.json, json_text(json_of(options, report, watch)) + "\n");
   outputs.commit();

@@ -3,6 +3,7 @@
 #include "cli/console.h"
 #include "cli/program.h"
 #include "selvage/core/error.h"
+#include "selvage/mesh/shapes.h"
 
 #include <pty.h>
 
@@ -34,6 +35,30 @@ TEST_F(OutputTest, FilesAppearWithTheCommit) {
   EXPECT_EQ(read_text(path("a.csv")), "a");
   EXPECT_EQ(read_text(path("b.json")), "b");
   EXPECT_EQ(file_count(), 2u);
+}
+
+TEST_F(OutputTest, BothFilesOfAMeshAppearWithTheCommit) {
+  const MeshFile mesh = make_box(Vec3::Ones(), 1);
+  for (const bool committed : {false, true}) {
+    OutputFiles outputs;
+    outputs.write_mesh(path("a.node"), mesh);
+    outputs.write_text(path("b.json"), "b");
+    EXPECT_EQ(file_count(), 3u);
+    for (const char* name : {"a.node", "a.ele", "b.json"}) EXPECT_FALSE(fs::exists(path(name))) << name;
+    if (committed) outputs.commit();
+  }
+  EXPECT_EQ(file_count(), 3u);
+  EXPECT_EQ(read_mesh(path("a.ele")).tetrahedra, mesh.tetrahedra);
+}
+
+TEST_F(OutputTest, AMeshThatCannotBeWrittenIsCalledByItsName) {
+  OutputFiles outputs;
+  try {
+    outputs.write_mesh(path("a.stl"), make_box(Vec3::Ones(), 1));
+    ADD_FAILURE() << "written";
+  } catch (const Error& error) {
+    EXPECT_EQ(std::string(error.what()).find(path("a.stl") + ": "), 0u) << error.what();
+  }
 }
 
 TEST_F(OutputTest, NothingStaysWithoutTheCommit) {
@@ -80,10 +105,11 @@ TEST_F(OutputTest, FailedCommitLeavesNoTemporaryFile) {
     OutputFiles outputs;
     outputs.expect(path("a.csv"));
     outputs.write_text(path("a.csv"), "a");
+    outputs.write_text(path("b.csv"), "b");
     fs::create_directories(path("a.csv") + "/in the way");
     EXPECT_THROW(outputs.commit(), Failure);
   }
-  EXPECT_EQ(file_count(), 1u);
+  EXPECT_EQ(file_count(), 1u) << "one of two appeared alone";
 }
 
 TEST_F(OutputTest, PlacesThatCannotWorkAreRefusedAtOnce) {
