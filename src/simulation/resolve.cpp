@@ -2,9 +2,9 @@
 
 #include "selvage/contact/contact_finder.h"
 #include "selvage/core/error.h"
-#include "selvage/geometry/predicates.h"
 #include "selvage/self_collision/self_collision.h"
 #include "simulation/agreeing_contacts.h"
+#include "simulation/keep_upright.h"
 #include "simulation/material_solver.h"
 #include "simulation/project_contacts.h"
 #include "simulation/shape_energy.h"
@@ -24,7 +24,7 @@ constexpr int kPasses = 8;
 constexpr double kStiffness = 100;
 /// Part of the mean edge length by which a contact pushes in one iteration: points deep inside go opposite ways, and
 /// all the way at once they would turn elements inside out before the material can say which side gives way.
-constexpr double kPush = 0.2;
+constexpr double kPush = 0.5;
 /// How far apart, in mean edge lengths, what meets is set until all is out: with less, edges that cross at a ridge lock
 /// where the material pulls as much as the contacts push.
 constexpr double kUntanglingClearance = 0.4;
@@ -111,10 +111,10 @@ class Resolver {
   void wake_neighbours();
   void relax();
   void limit_displacements();
+  void place(std::span<const Vec3> positions);
   double total_energy(std::span<const Vec3> positions) const;
   void fill_report(ResolveReport& report) const;
   std::vector<Index> find_tangled_elements() const;
-  bool is_inverted(Index element) const;
 
   const TetMesh& mesh_;
   const ResolveOptions& options_;
@@ -130,6 +130,7 @@ class Resolver {
   std::vector<std::uint8_t> is_free_, is_awake_;
   std::vector<Contact> contacts_;  ///< of the last measurement
   std::vector<TrianglePair> pairs_;
+  std::vector<Index> inverted_;  ///< elements, as the positions are; ascending
   std::vector<HeldContact> held_;
   ResolveIteration best_;
   int last_progress_ = 0;
@@ -151,12 +152,7 @@ Resolver::Resolver(const TetMesh& mesh, std::vector<Vec3>& positions, const Reso
   is_awake_.resize(positions.size());
   for (const double inverse_mass : model_.inverse_masses) is_free_.push_back(inverse_mass > 0);
   for (const Index v : options.pinned) is_free_[v] = false;
-}
-
-bool Resolver::is_inverted(Index element) const {
-  std::array<Vec3, 4> corners;
-  for (int k = 0; k < 4; ++k) corners[k] = positions_[mesh_.elements()[element][k]];
-  return orientation(corners) <= 0;
+  inverted_ = find_inverted(mesh, positions);
 }
 
 ResolveIteration Resolver::measure(int iteration) {
@@ -184,7 +180,7 @@ ResolveIteration Resolver::measure(int iteration) {
         ++now.penetrating_centroids;
     }
   }
-  for (Index e = 0; e < mesh_.element_count(); ++e) now.inverted_elements += is_inverted(e);
+  now.inverted_elements = std::ssize(inverted_);
   now.awake_vertices = std::count(is_awake_.begin(), is_awake_.end(), 1);
   for (std::size_t v = 0; v < positions_.size(); ++v)
     now.max_displacement = std::max(now.max_displacement, (positions_[v] - input_[v]).norm());
@@ -216,9 +212,8 @@ void Resolver::hold_contacts() {
   for (const Contact& contact : contacts_)
     for (int i = 0; i < contact.count; ++i) wake(contact.vertices[i]);
   // The material turns those back that nothing is inside of.
-  for (Index e = 0; e < mesh_.element_count(); ++e)
-    if (is_inverted(e))
-      for (const Index v : mesh_.elements()[e]) wake(v);
+  for (const Index e : inverted_)
+    for (const Index v : mesh_.elements()[e]) wake(v);
 }
 
 void Resolver::wake(Index vertex) {
@@ -242,11 +237,14 @@ void Resolver::wake_neighbours() {
   for (const Index v : woken) wake(v);
 }
 
-/// The material from where vertices are, and then out of the contacts, so that these have the last word.
+/// The material from where vertices are, and then out of the contacts, so that these have the last word; but none turns
+/// an element inside out, which would block the ways out of others, and paths that may pass through such an element
+/// take a thousand times as long to find.
 void Resolver::relax() {
   std::vector<Contact> contacts;
   for (const HeldContact& held : held_) contacts.push_back(held.contact);
   contacts = find_agreeing_contacts(mesh_, contacts);
+  const std::vector<Vec3> before = positions_;
   for (int pass = 0; pass < kPasses; ++pass) {
     material_.solve(vertices_, {}, 0, 1);
     push_apart(contacts, push_, vertices_);
@@ -254,6 +252,17 @@ void Resolver::relax() {
   }
   for (Index v = 0; v < mesh_.vertex_count(); ++v)
     if (is_awake_[v]) positions_[v] = Eigen::Map<const Eigen::Vector3d>(vertices_[v].position);
+  std::vector<Vec3> upright = positions_;
+  inverted_ = keep_upright(mesh_, before, inverted_, upright);
+  place(upright);
+}
+
+void Resolver::place(std::span<const Vec3> positions) {
+  for (Index v = 0; v < mesh_.vertex_count(); ++v) {
+    if (!is_awake_[v]) continue;
+    positions_[v] = positions[v];
+    Eigen::Map<Eigen::Vector3d>(vertices_[v].position) = positions[v];
+  }
 }
 
 void Resolver::limit_displacements() {
@@ -281,8 +290,7 @@ std::vector<Index> Resolver::find_tangled_elements() const {
     add_face(contact.surface_feature);
     if (contact.kind == ContactKind::kCentroidPath) elements.push_back(contact.point_feature);
   }
-  for (Index e = 0; e < mesh_.element_count(); ++e)
-    if (is_inverted(e)) elements.push_back(e);
+  elements.insert(elements.end(), inverted_.begin(), inverted_.end());
   std::sort(elements.begin(), elements.end());
   elements.erase(std::unique(elements.begin(), elements.end()), elements.end());
   return elements;
@@ -332,23 +340,27 @@ ResolveOutcome Resolver::untangle(ResolveReport& report) {
   }
 }
 
-/// Lets the material come to rest, ever closer to the clearance that was asked for, as long as nothing gets inside
-/// again.
+/// Lets the material come to rest, ever closer to the clearance that was asked for. Where something gets inside again,
+/// it is held, too, and all is tried once more.
 void Resolver::settle(ResolveReport& report) {
   double energy = total_energy(positions_);
   for (int i = 0; i < kSettling; ++i) {
     const std::vector<Vec3> resolved = positions_;
     push_.clearance = std::max(kClearanceShrinkage * push_.clearance, options_.clearance * length_);
     relax();
-    const double energy_now = total_energy(positions_);
     const ResolveIteration now = measure(report.iterations.back().iteration + 1);
-    if (!now.is_clean() || !(energy_now < (1 - kProgress) * energy)) {
-      positions_ = resolved;
-      return;
+    const double energy_now = total_energy(positions_);
+    if (!now.is_clean()) {
+      hold_contacts();
+      place(resolved);
+      inverted_.clear();
+    } else if (energy_now < (1 - kProgress) * energy) {
+      energy = energy_now;
+      wake_neighbours();
+      report_iteration(report, now);
+    } else {
+      return place(resolved);
     }
-    energy = energy_now;
-    wake_neighbours();
-    report_iteration(report, now);
   }
 }
 

@@ -81,8 +81,9 @@ TEST(Resolve, PartsTwoBoxes) {
   EXPECT_GT(r.report.iterations.front().triangle_pairs, 0);
   expect_resolved(r);
   expect_volume_kept(r, 0.01);
-  // They overlapped by 0.17, of which each gives way about half, and are set apart by some of the mean edge length.
-  EXPECT_LT(r.report.max_displacement, 0.2);
+  // They overlapped by 0.17, of which each gives way about half, are set apart by some of the mean edge length, and turn
+  // a little as they come to rest.
+  EXPECT_LT(r.report.max_displacement, 0.25);
 }
 
 TEST(Resolve, PartsAnOverlappingCopy) {
@@ -115,14 +116,12 @@ TEST(Resolve, UntanglesASwirl) {
   expect_volume_kept(r, 0.1);
 }
 
-// Its two crossings are tight bends of a thick bar, where elements turn inside out and block the ways out of others.
-TEST(Resolve, SaysThatATightKnotIsStuck) {
-  ResolveOptions options;
-  options.patience = 20;
-  const Resolved r = resolve(posed("beam", 3000, "self-crossing"), options);
-  EXPECT_EQ(r.report.outcome, ResolveOutcome::kStuck);
-  EXPECT_FALSE(r.report.tangled_elements.empty());
-  EXPECT_LT(r.report.iterations.back().triangle_pairs, r.report.iterations.front().triangle_pairs / 5);
+// Its two crossings are tight bends.
+TEST(Resolve, UncrossesAThickBar) {
+  const Resolved r = resolve(posed("beam", 3000, "self-crossing"));
+  EXPECT_GT(r.report.iterations.front().triangle_pairs, 500);
+  expect_resolved(r);
+  expect_volume_kept(r, 0.05);
 }
 
 // The material would throw far what it finds inside out.
@@ -130,6 +129,14 @@ TEST(Resolve, ThrowsNothing) {
   const Resolved r = resolve(posed("torus", 3000, "bend"));
   expect_resolved(r);
   for (const ResolveIteration& row : r.report.iterations) EXPECT_LT(row.max_displacement, 0.6) << row.iteration;
+}
+
+TEST(Resolve, TurnsNothingInsideOutOnTheWay) {
+  for (const char* shape : {"torus", "beam"}) {
+    const Resolved r = resolve(posed(shape, 3000, "bend"));
+    expect_resolved(r);
+    for (const ResolveIteration& row : r.report.iterations) EXPECT_EQ(row.inverted_elements, 0) << row.iteration;
+  }
 }
 
 TEST(Resolve, SettlesOnceAllIsOut) {
