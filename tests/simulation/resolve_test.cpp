@@ -81,8 +81,8 @@ TEST(Resolve, PartsTwoBoxes) {
   EXPECT_GT(r.report.iterations.front().triangle_pairs, 0);
   expect_resolved(r);
   expect_volume_kept(r, 0.01);
-  // They overlapped by 0.17, of which each gives way about half, are set apart by some of the mean edge length, and turn
-  // a little as they come to rest.
+  // They overlapped by 0.17, of which each gives way about half, are set apart by some of the mean edge length, and
+  // turn a little as they come to rest.
   EXPECT_LT(r.report.max_displacement, 0.25);
 }
 

@@ -41,12 +41,14 @@ class Play {
         with_contact_ = contact;
       }
       solver_->step(state_);
+      for (const std::int64_t found : solver_->statistics().contact.contacts) contacts_ += found;
     }
   }
   void run_frames(int count) { step(count * scene_.substeps); }
 
   const Scene& scene() const { return scene_; }
   const State& state() const { return state_; }
+  std::int64_t contacts() const { return contacts_; }  ///< found in all steps so far
   BoundaryPathFinder<3> finder() const { return {scene_.model.mesh, state_.positions}; }
 
   Index body_of(Index vertex) const {
@@ -67,6 +69,7 @@ class Play {
   State state_;
   std::optional<XpbdSolver> solver_;
   bool with_contact_ = false;
+  std::int64_t contacts_ = 0;
 };
 
 struct Tangle {
@@ -149,6 +152,73 @@ TEST(SceneRuns, RodsThatFallHardStayOutOfOneAnotherAndWhole) {
   through.run_frames(10);
   EXPECT_GT(tangle_of(through).deepest, 0.05);
 }
+
+struct SmallScene {
+  const char* name;
+  Changes changes;
+  int frames;
+  std::int64_t contacts;  ///< at least so many are found
+  std::int64_t vertices;  ///< at most so many penetrate at the end
+  double deepest;         ///< at most, at the end [m]
+};
+
+void PrintTo(const SmallScene& scene, std::ostream* out) {
+  *out << scene.name;
+}
+
+const Changes kTwoOctopi{{"/bodies/0/instances/grid/counts", "[1, 1, 2]"},
+                         {"/bodies/0/instances/grid/spacing", "[4.1, 4.1, 1.2]"}};
+
+class SmallScenes : public testing::TestWithParam<SmallScene> {};
+
+TEST_P(SmallScenes, EndWholeAndHardlyInsideThemselves) {
+  if (test::scaled(100) < 100) GTEST_SKIP() << "takes minutes with a sanitizer";
+  Play play(load(GetParam().name, GetParam().changes));
+  play.run_frames(GetParam().frames);
+  EXPECT_GT(play.contacts(), GetParam().contacts);
+  const Tangle end = tangle_of(play);
+  EXPECT_LE(end.vertices, GetParam().vertices);
+  EXPECT_LT(end.deepest, GetParam().deepest);
+  EXPECT_EQ(end.inverted, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    OfThePaper, SmallScenes,
+    testing::Values(
+        SmallScene{"twisted_beam", {{"/bodies/0/mesh/cell", "0.06"}}, 60, 10'000, 20, 1e-3},
+        SmallScene{"twisted_rods", {{"/bodies/0/mesh/cell", "0.06"}}, 60, 40'000, 20, 1e-3},
+        SmallScene{"nested_knot", {{"/bodies/0/mesh/cell", "0.1"}}, 60, 30'000, 20, 2e-3},
+        SmallScene{
+            "two_balls", {{"/bodies/0/mesh/tentacles", "6"}, {"/bodies/0/mesh/elements", "4600"}}, 8, 50'000, 30, 2e-3},
+        SmallScene{"balls_16",
+                   {{"/bodies/0/mesh/tentacles", "5"},
+                    {"/bodies/0/mesh/elements", "3800"},
+                    {"/bodies/0/instances/grid/counts", "[1, 1, 2]"},
+                    {"/bodies/0/translate", "[0, 0, 0.2]"}},
+                   45,
+                   10'000,
+                   20,
+                   1e-3},
+        SmallScene{"long_noodle",
+                   {{"/bodies/0/mesh/length", "5"},
+                    {"/bodies/0/mesh/cell", "0.06"},
+                    {"/colliders/0/bowl/radius", "0.5"},
+                    {"/colliders/0/bowl/centre", "[0, 0, 0.6]"}},
+                   45,
+                   40'000,
+                   20,
+                   1e-3},
+        SmallScene{"octopi_600",
+                   {{"/bodies/0/instances/grid/counts", "[1, 1, 2]"},
+                    {"/bodies/0/instances/grid/spacing", "[4.2, 4.2, 1.2]"},
+                    {"/colliders/0/box/max", "[4.3, 4.3, 100]"}},
+                   25,
+                   10'000,
+                   20,
+                   1e-3},
+        SmallScene{"octopi_8_hybrid", kTwoOctopi, 60, 40'000, 20, 1e-3},
+        SmallScene{"octopi_8_dcd", kTwoOctopi, 60, 40'000, 20, 2e-3}),
+    [](const auto& param) { return param.param.name; });
 
 /// The elements of the middle are flatter than a fifth then, and some inside out.
 TEST(SceneRuns, AFlattenedBallReturnsToItsShape) {
