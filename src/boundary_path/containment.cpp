@@ -39,7 +39,7 @@ std::vector<PointInElement> sorted(std::span<const PointInElement> pairs, std::s
 template <int D>
 void ContainmentSearch<D>::rebuild() {
   boundary_order_.assign(mesh_.boundary_vertices().begin(), mesh_.boundary_vertices().end());
-  order_in_space<4>(pose_.rounded_positions(), boundary_order_);
+  order_in_space(pose_.rounded_positions(), boundary_order_);
   list_own_elements();
 }
 
@@ -85,7 +85,7 @@ std::vector<PointInElement> ContainmentSearch<D>::find_points(std::span<const Ve
   });
   std::vector<Index> order(points.size());
   std::iota(order.begin(), order.end(), 0);
-  order_in_space<4>(rounded, order);
+  order_in_space(rounded, order);
   const std::vector<const OwnElements*> own(group_count(points.size()), &kNoOwn);
   return find({points.data(), rounded.data(), order, own}, points.size());
 }

@@ -81,9 +81,19 @@ struct FaceView {
 };
 
 /// What can be said for certain, in single precision, of the point s of each face that is closest to p.
+template <int D>
 struct FaceFindings {
   Float16 squared_distance;  ///< never above the true one
-  unsigned culled;           ///< pairs where a neighbour comes closer than s, or s is seen from outside
+  Vector16 way;              ///< about from p to s
+  unsigned closer[D];        ///< pairs where the neighbour opposite to a corner comes closer than s
+  unsigned seen_outside;     ///< pairs where s is seen from outside
+
+  /// Pairs where s is no answer.
+  SELVAGE_INLINE unsigned culled() const {
+    unsigned pairs = seen_outside;
+    for (const unsigned neighbours : closer) pairs |= neighbours;
+    return pairs;
+  }
 };
 
 /// How p lies to the edges of a triangle (a, b, c): u from a to b, v from a to c, o from b to c.
@@ -136,14 +146,14 @@ struct TriangleProducts {
   }
 };
 
-/// Pairs where s certainly lies on an edge across which the neighbour's direction comes closer, or at a vertex from
-/// which one of the two does that are next to the face's own edges; or where s certainly lies inside the face, and p
-/// before it.
+/// Finds pairs where s certainly lies on an edge across which the neighbour's direction comes closer, or at a vertex
+/// from which one of the two does that are next to the face's own edges; or where s certainly lies inside the face, and
+/// p before it.
 ///
 /// @param error   bounds the error of all products and of their sums here
 /// @param extent  no two of the vertices are farther apart
-SELVAGE_INLINE unsigned culled_pairs(const FaceView<3>& view, const TriangleProducts& t, const Float16& error,
-                                     const Float16& extent) {
+SELVAGE_INLINE void find_culled(const FaceView<3>& view, const TriangleProducts& t, const Float16& error,
+                                const Float16& extent, FaceFindings<3>& found) {
   // Where p certainly lies between the ends of an edge, the edge's square is above twice the error, and the quotient
   // t_u is off by less than two and a half errors over the square. Beyond the ends it may be larger than 1, but no more
   // than the triangle is slender.
@@ -163,20 +173,19 @@ SELVAGE_INLINE unsigned culled_pairs(const FaceView<3>& view, const TriangleProd
   const Float16 qc_b = qc_a - t.u_a - (skew_u - t.uu), qb_c = qb_a - t.v_a - (skew_v - t.vv);
   const Float16 qa_c = qa_b - t.o_b - (skew_o - t.oo);
   const auto [has_qa, has_qb, has_qc] = view.has_neighbour;
-  const unsigned at_a = below(t.u_a) & below(t.v_a) & ((has_qc & above(qc_a)) | (has_qb & above(qb_a)));
-  const unsigned at_b = above(t.u_b) & below(t.o_b) & ((has_qc & above(qc_b)) | (has_qa & above(qa_b)));
-  const unsigned at_c = above(t.v_c) & above(t.o_c) & ((has_qb & above(qb_c)) | (has_qa & above(qa_c)));
-  const unsigned on_u = has_qc & above(t.u_a) & below(t.u_b) & beyond(t.in_u, qc_a - t.t_u * skew_u);
-  const unsigned on_v = has_qb & above(t.v_a) & below(t.v_c) & beyond(t.in_v, qb_a - t.t_v * skew_v);
-  const unsigned on_o = has_qa & above(t.o_b) & below(t.o_c) & beyond(t.in_o, qa_b - t.t_o * skew_o);
-  const unsigned before =
-      less_equal(wide * slender, t.inside()) & less_equal(error * extent, dot(cross(t.u, t.v), t.p_a));
   const auto [cull_a, cull_b, cull_c] = view.cullable;
-  return (cull_a & at_a) | (cull_b & at_b) | (cull_c & at_c) | ((cull_a | cull_b) & on_u) | ((cull_a | cull_c) & on_v) |
-         ((cull_b | cull_c) & on_o) | before;
+  const unsigned at_a = cull_a & below(t.u_a) & below(t.v_a), at_b = cull_b & above(t.u_b) & below(t.o_b);
+  const unsigned at_c = cull_c & above(t.v_c) & above(t.o_c);
+  const unsigned on_u = (cull_a | cull_b) & above(t.u_a) & below(t.u_b) & beyond(t.in_u, qc_a - t.t_u * skew_u);
+  const unsigned on_v = (cull_a | cull_c) & above(t.v_a) & below(t.v_c) & beyond(t.in_v, qb_a - t.t_v * skew_v);
+  const unsigned on_o = (cull_b | cull_c) & above(t.o_b) & below(t.o_c) & beyond(t.in_o, qa_b - t.t_o * skew_o);
+  found.closer[0] = has_qa & ((at_b & above(qa_b)) | (at_c & above(qa_c)) | on_o);
+  found.closer[1] = has_qb & ((at_a & above(qb_a)) | (at_c & above(qb_c)) | on_v);
+  found.closer[2] = has_qc & ((at_a & above(qc_a)) | (at_b & above(qc_b)) | on_u);
+  found.seen_outside = less_equal(wide * slender, t.inside()) & less_equal(error * extent, dot(cross(t.u, t.v), t.p_a));
 }
 
-SELVAGE_INLINE FaceFindings look_at(const FaceView<3>& view) {
+SELVAGE_INLINE FaceFindings<3> look_at(const FaceView<3>& view) {
   const auto& [a, b, c] = view.corners;
   const auto& [qa, qb, qc] = view.apexes;
   const TriangleProducts t(view.p, view.corners);
@@ -184,11 +193,15 @@ SELVAGE_INLINE FaceFindings look_at(const FaceView<3>& view) {
   Float16 extent = max(max(sum_of_sizes(t.u), sum_of_sizes(t.v)), sum_of_sizes(t.o));
   extent = max(extent, max(max(sum_of_sizes(qc - a), sum_of_sizes(qb - a)), sum_of_sizes(qa - b)));
   const Float16 reach = sum_of_sizes(to) + extent + extent + Float16::broadcast(4 * view.rounding);
-  return {view.squared_distance_along(to, reach), culled_pairs(view, t, view.error_of_products(reach, extent), extent)};
+  FaceFindings<3> found;
+  found.squared_distance = view.squared_distance_along(to, reach);
+  found.way = to;
+  find_culled(view, t, view.error_of_products(reach, extent), extent, found);
+  return found;
 }
 
 /// The same in the plane.
-SELVAGE_INLINE FaceFindings look_at(const FaceView<2>& view) {
+SELVAGE_INLINE FaceFindings<2> look_at(const FaceView<2>& view) {
   const Float16 zero = Float16::broadcast(0), one = Float16::broadcast(1);
   const auto& [a, b] = view.corners;
   const Vector16 u = b - a, p_a = view.p - a;
@@ -199,11 +212,15 @@ SELVAGE_INLINE FaceFindings look_at(const FaceView<2>& view) {
   const Float16 reach = sum_of_sizes(to) + extent + extent + Float16::broadcast(4 * view.rounding);
   const Float16 error = reach * (Float16::broadcast(16 * view.rounding) + Float16::broadcast(0x1p-18f) * extent) +
                         Float16::broadcast(1e-30f);
-  const unsigned at_a =
-      view.cullable[0] & view.has_neighbour[1] & less_equal(u_a, zero - error) & less_equal(error, dot(a_qb, p_a));
-  const unsigned at_b =
+  FaceFindings<2> found;
+  found.squared_distance = view.squared_distance_along(to, reach);
+  found.way = to;
+  found.closer[0] =
       view.cullable[1] & view.has_neighbour[0] & less_equal(error, u_b) & less_equal(error, dot(b_qa, view.p - b));
-  return {view.squared_distance_along(to, reach), at_a | at_b};
+  found.closer[1] =
+      view.cullable[0] & view.has_neighbour[1] & less_equal(u_a, zero - error) & less_equal(error, dot(a_qb, p_a));
+  found.seen_outside = 0;
+  return found;
 }
 
 }  // namespace SELVAGE_ISA

@@ -155,10 +155,7 @@ std::vector<Index> BoundaryPathFinder<D>::State::order_in_groups(std::span<const
       if (hint != kNone) places[k][3 + i] = pose.rounded_positions()[mesh.boundary_faces()[hint][0]][i];
     }
   }
-  std::vector<Index> order(queries.size());
-  std::iota(order.begin(), order.end(), 0);
-  selvage::order_in_space<6>(places, order);
-  return order;
+  return order_along_curve(places);
 }
 
 /// Area-weighted over the faces of the feature at this corner of the material; where they cancel, the face's own.
@@ -166,14 +163,18 @@ template <int D>
 Vec<D> BoundaryPathFinder<D>::State::normal_at(Index face, const PathResult<D>& result) const {
   const auto normal_of = [&](Index f) { return face_normal(pose.positions(), topology.face_stars[f].vertices); };
   Vec<D> normal = Vec<D>::Zero();
-  double total = 0;
-  visit_feature<D>(mesh.boundary_faces().data(), mesh.boundary_neighbours().data(), face, result.target_vertices,
-                   result.target_count, [&](Index other) {
-                     const Vec<D> part = normal_of(other);
-                     normal += part;
-                     total += part.norm();
-                   });
-  if (!(normal.norm() > 1e-12 * total)) normal = normal_of(face);
+  if (result.target_count == D) {
+    normal += normal_of(face);
+  } else {
+    double total = 0;
+    visit_feature<D>(mesh.boundary_faces().data(), mesh.boundary_neighbours().data(), face, result.target_vertices,
+                     result.target_count, [&](Index other) {
+                       const Vec<D> part = normal_of(other);
+                       normal += part;
+                       total += part.norm();
+                     });
+    if (!(normal.norm() > 1e-12 * total)) normal = normal_of(face);
+  }
   const double length = length_of(normal);
   return length > 0 ? Vec<D>(normal / length) : normal;
 }
@@ -243,7 +244,7 @@ std::vector<BoundaryPath<D>> BoundaryPathFinder<D>::find_paths(std::span<const P
   const std::vector<Index> order = state_->order_in_groups(queries);
   std::vector<BoundaryPath<D>> paths(queries.size());
   const PathScene<D> scene = state_->scene();
-  constexpr std::int64_t kQueriesAtOnce = 4 * kPointGroup;
+  constexpr std::int64_t kQueriesAtOnce = 8 * kPointGroup;
   const std::int64_t batches = (std::ssize(order) + kQueriesAtOnce - 1) / kQueriesAtOnce;
   parallel_for(batches, 1, [&](std::int64_t k) {
     const auto share = std::span(order).subspan(k * kQueriesAtOnce);

@@ -9,38 +9,35 @@ namespace selvage {
 
 namespace {
 
-template <std::size_t K>
 struct NumberedPlace {
-  std::array<float, K> x;
+  std::array<float, 4> x;
   Index number;
 };
 
-template <std::size_t K>
-int longest_axis(std::span<const NumberedPlace<K>> items) {
-  std::array<float, K> lower, upper;
+int longest_axis(std::span<const NumberedPlace> items) {
+  std::array<float, 4> lower, upper;
   lower.fill(HUGE_VALF);
   upper.fill(-HUGE_VALF);
   for (const auto& item : items)
-    for (std::size_t axis = 0; axis < K; ++axis) {
+    for (std::size_t axis = 0; axis < 4; ++axis) {
       lower[axis] = std::min(lower[axis], item.x[axis]);
       upper[axis] = std::max(upper[axis], item.x[axis]);
     }
   std::size_t longest = 0;
-  for (std::size_t axis = 1; axis < K; ++axis)
+  for (std::size_t axis = 1; axis < 4; ++axis)
     if (upper[axis] - lower[axis] > upper[longest] - lower[longest]) longest = axis;
   return static_cast<int>(longest);
 }
 
 /// Halves across the longest axis, down to single groups.
-template <std::size_t K>
-void split_in_halves(std::span<NumberedPlace<K>> items) {
+void split_in_halves(std::span<NumberedPlace> items) {
   constexpr std::size_t kParallelAbove = 4096;
   const std::size_t groups = group_count(items.size());
   if (groups <= 1) return;
   const std::size_t half = groups / 2 * kPointGroup;
-  const int axis = longest_axis<K>(items);
+  const int axis = longest_axis(items);
   std::nth_element(items.begin(), items.begin() + half, items.end(),
-                   [axis](const NumberedPlace<K>& a, const NumberedPlace<K>& b) {
+                   [axis](const NumberedPlace& a, const NumberedPlace& b) {
                      return a.x[axis] < b.x[axis] || (a.x[axis] == b.x[axis] && a.number < b.number);
                    });
   const auto left = [&] { split_in_halves(items.first(half)); };
@@ -53,17 +50,58 @@ void split_in_halves(std::span<NumberedPlace<K>> items) {
   }
 }
 
+/// Bits of a coordinate in a place along the curve, and what lies between two of them.
+constexpr int kBits = 10, kAxes = 6;
+
+/// Each number's bits, kAxes apart.
+constexpr std::array<std::uint64_t, 1 << kBits> kSpread = [] {
+  std::array<std::uint64_t, 1 << kBits> spread{};
+  for (std::uint64_t i = 0; i < spread.size(); ++i)
+    for (int bit = 0; bit < kBits; ++bit) spread[i] |= (i >> bit & 1) << (kAxes * bit);
+  return spread;
+}();
+
+struct CurvePlace {
+  std::uint64_t along;  ///< Morton's curve
+  Index number;
+};
+
 }  // namespace
 
-template <std::size_t K>
-void order_in_space(std::span<const std::array<float, K>> places, std::span<Index> numbers) {
-  std::vector<NumberedPlace<K>> items(numbers.size());
+void order_in_space(std::span<const std::array<float, 4>> places, std::span<Index> numbers) {
+  std::vector<NumberedPlace> items(numbers.size());
   for (std::size_t i = 0; i < items.size(); ++i) items[i] = {places[numbers[i]], numbers[i]};
-  split_in_halves<K>(items);
+  split_in_halves(items);
   for (std::size_t i = 0; i < items.size(); ++i) numbers[i] = items[i].number;
 }
 
-template void order_in_space<4>(std::span<const std::array<float, 4>>, std::span<Index>);
-template void order_in_space<6>(std::span<const std::array<float, 6>>, std::span<Index>);
+std::vector<Index> order_along_curve(std::span<const std::array<float, 6>> places) {
+  // Places may be anywhere, at infinity too.
+  const auto within = [](float x) { return std::clamp(x, -1e30f, 1e30f); };
+  std::array<float, kAxes> lower, upper;
+  lower.fill(HUGE_VALF);
+  upper.fill(-HUGE_VALF);
+  for (const auto& x : places)
+    for (int axis = 0; axis < kAxes; ++axis) {
+      lower[axis] = std::min(lower[axis], within(x[axis]));
+      upper[axis] = std::max(upper[axis], within(x[axis]));
+    }
+  float extent = 1e-30f;
+  for (int axis = 0; axis < kAxes; ++axis) extent = std::max(extent, upper[axis] - lower[axis]);
+  const float scale = ((1 << kBits) - 1) / extent;
+  std::vector<CurvePlace> items(places.size());
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    std::uint64_t along = 0;
+    for (int axis = 0; axis < kAxes; ++axis)
+      along |= kSpread[static_cast<int>((within(places[i][axis]) - lower[axis]) * scale)] << axis;
+    items[i] = {along, static_cast<Index>(i)};
+  }
+  parallel_sort(items.begin(), items.end(), [](const CurvePlace& a, const CurvePlace& b) {
+    return a.along < b.along || (a.along == b.along && a.number < b.number);
+  });
+  std::vector<Index> numbers(items.size());
+  for (std::size_t i = 0; i < items.size(); ++i) numbers[i] = items[i].number;
+  return numbers;
+}
 
 }  // namespace selvage

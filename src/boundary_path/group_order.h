@@ -11,13 +11,12 @@ inline constexpr Index kPointGroup = 16;
 
 /// Sorts numbers of places so that each run of kPointGroup of them lies close together. The result depends on nothing
 /// else.
-///
-/// @param places  of each number; of 4 coordinates, or of 6: places of two kinds, close in both
-template <std::size_t K>
-void order_in_space(std::span<const std::array<float, K>> places, std::span<Index> numbers);
+void order_in_space(std::span<const std::array<float, 4>> places, std::span<Index> numbers);
 
-extern template void order_in_space<4>(std::span<const std::array<float, 4>>, std::span<Index>);
-extern template void order_in_space<6>(std::span<const std::array<float, 6>>, std::span<Index>);
+/// Sorts places, each of two kinds, along a curve that fills space: those that follow each other lie close together in
+/// both kinds, mostly. The result depends on nothing else.
+/// @return  numbers of the places
+std::vector<Index> order_along_curve(std::span<const std::array<float, 6>> places);
 
 inline std::size_t group_count(std::size_t points) {
   return (points + kPointGroup - 1) / kPointGroup;

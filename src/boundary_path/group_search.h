@@ -17,11 +17,12 @@ struct NoBundle {
 
 /// The searches of up to sixteen queries that lie near each other.
 ///
-/// The first looks for its answer alone, then three that start from that one's, then the others from theirs. Each looks
-/// for a first path by itself. Then all walk down the hierarchy over the boundary faces, level by level and in turns,
-/// so that a node has arrived in the cache when its turn comes, and without a branch that depends on what is found
-/// there. What is left are pairs of a query and a face: sixteen at a time are looked at in single precision, and the
-/// few that may be answers are considered near to far.
+/// How far the answers are is guessed: from faces that are near in the mesh, and from each other's. Then all walk down
+/// the hierarchy over the boundary faces, level by level and in turns, so that a node has arrived in the cache when its
+/// turn comes, and without a branch that depends on what is found there. What is left are pairs of a query and a face:
+/// sixteen at a time are looked at in single precision, and the few that may be answers are considered near to far, the
+/// first of each query side by side. Where a path is found the guess was right, as nothing nearer can have been missed;
+/// the others look for a first path one by one, whose length is a bound, and then do the same again.
 template <int D>
 class GroupSearch {
  public:
@@ -31,7 +32,7 @@ class GroupSearch {
   void run(std::span<const PathTask<D>> tasks, PathResult<D>* results, PathCounters* counters);
 
  private:
-  static constexpr int kWidth = kPointGroup;
+  static constexpr int kWidth = kPointGroup, kVanguard = 4;
   static constexpr std::size_t kAhead = 6, kRoom = 256;
 
   /// Pairs of a lane and a node or face.
@@ -62,15 +63,40 @@ class GroupSearch {
     Index face[kMost];
   };
 
+  /// Near boundary points, to which there may be no paths.
+  struct Guesses {
+    Index face[kWidth];     ///< to be looked at next
+    Index nearest[kWidth];  ///< the face of the nearest point so far, or kNone
+    alignas(64) float squared_distance[kWidth];
+    alignas(64) float point[3][kWidth];
+  };
+
+  /// From which others start that lie near.
+  struct Answers {
+    int count = 0;
+    Index face[kWidth];
+    alignas(64) float point[3][kWidth];
+  };
+
   static void prefetch_ends(const PathScene<D>& scene, std::span<const PathTask<D>> tasks);
   void place(int lane);
-  void start();
+  unsigned search_near_guesses(unsigned lanes, int& bad_guesses);
+  unsigned guess(unsigned lanes);
+  void approach(unsigned lanes);
+  unsigned start_from_others(unsigned lanes);
+  void keep_answers(unsigned lanes);
+  void search_from_paths(unsigned lanes);
+  void follow_targets();
   void take_bound(int lane);
+  void collect_faces();
   void walk_down();
   void visit(Index place, Index lane);
   unsigned seen_askew(const BvhNode& node, const ConeNode& cones, Index lane) const;
+  FaceView<D> view(const Index* faces, const Index* lanes) const;
   void look_at_faces(std::size_t first);
   void count_faces(std::size_t first, unsigned seen, unsigned culled);
+  Index take_nearest(int lane);
+  void nominate(int lane);
   void decide(int lane);
 
   const PathScene<D>& scene_;
@@ -78,16 +104,15 @@ class GroupSearch {
   std::conditional_t<D == 3, WalkBundle, NoBundle> bundle_;
   unsigned present_ = 0;                                   ///< lanes that look for something
   unsigned culling_ = 0;                                   ///< lanes that may pass over faces because of a neighbour
-  alignas(64) float eye_[3][kWidth];                       ///< points in the frame, to the nearest float
+  alignas(64) float eye_[3][kWidth] = {};                  ///< points in the frame, to the nearest float
   alignas(64) float lower_[3][kWidth], upper_[3][kWidth];  ///< boxes around them
   alignas(64) float limit_[kWidth];                        ///< what a computed squared distance may be at most
-  alignas(64) float sources_[2][kWidth];                   ///< vertices whose faces prove nothing, as bits
+  alignas(64) float sources_[2][kWidth] = {};              ///< vertices whose faces prove nothing, as bits
   Pairs nodes_, faces_;
   Waiting waiting_[kWidth];
-
-  static constexpr std::size_t kMostAnswers = 4;
-  Answer<D> answers_[kMostAnswers];  ///< from which others start
-  std::size_t answer_count_ = 0;
+  Guesses guesses_;
+  Answers latest_;
+  bool is_cautious_ = true;  ///< guesses were bad in the group before, or nothing is known of it
 };
 
 template <int D>
@@ -96,26 +121,80 @@ void GroupSearch<D>::run(std::span<const PathTask<D>> tasks, PathResult<D>* resu
   prefetch_ends(scene_, tasks);
   searches_.clear();
   searches_.reserve(kWidth);
-  answer_count_ = 0;
-  for (int first = 0, last = 1; first < count; first = last, last = last < 4 ? 4 : kWidth) {
-    if (last > count) last = count;
-    present_ = culling_ = 0;
-    for (int i = first; i < last; ++i) {
-      searches_.emplace_back(scene_, tasks[i], counters != nullptr ? counters + i : nullptr);
-      if (!searches_[i].aim({answers_, answer_count_})) continue;
-      present_ |= 1u << i;
-      place(i);
-    }
-    start();
-    walk_down();
-    for (std::size_t pair = 0; pair < faces_.count; pair += kWidth) look_at_faces(pair);
-    for (int i = first; i < last; ++i) {
-      if ((present_ >> i & 1) != 0) decide(i);
-      results[i] = searches_[i].finish();
-      if (answer_count_ < kMostAnswers && results[i].status == PathStatus::kFound)
-        answers_[answer_count_++] = searches_[i].answer();
-    }
+  unsigned present = 0;
+  for (int i = 0; i < count; ++i) {
+    searches_.emplace_back(scene_, tasks[i], counters != nullptr ? counters + i : nullptr);
+    if (!searches_[i].locate()) continue;
+    present |= 1u << i;
+    place(i);
   }
+  // Where guesses were bad just now, a few lanes find answers from which the others start.
+  int wanted = is_cautious_ ? kVanguard : kWidth;
+  int bad_guesses = 0;
+  while (present != 0) {
+    unsigned lanes = 0;
+    for (; wanted > 0 && present != 0; --wanted, present &= present - 1) lanes |= present & (0u - present);
+    const unsigned unanswered = lanes & ~search_near_guesses(lanes, bad_guesses);
+    keep_answers(lanes);
+    if (unanswered != 0) search_from_paths(unanswered);
+    wanted = kWidth;
+  }
+  is_cautious_ = bad_guesses > 0;
+  for (int i = 0; i < count; ++i) results[i] = searches_[i].finish();
+}
+
+/// Searches no farther than the guessed points are, and a little more.
+/// @return  lanes that have an answer
+template <int D>
+unsigned GroupSearch<D>::search_near_guesses(unsigned lanes, int& bad_guesses) {
+  constexpr float kSlack = 1 + 1e-4f, kBad = 1.5f;
+  present_ = guess(lanes);
+  for (unsigned rest = present_; rest != 0; rest &= rest - 1) {
+    const int lane = lowest_lane(rest);
+    searches_[lane].suppose(double(kSlack * guesses_.squared_distance[lane]) + 1e-30);
+    take_bound(lane);
+  }
+  collect_faces();
+  for (unsigned rest = present_; rest != 0; rest &= rest - 1) nominate(lowest_lane(rest));
+  follow_targets();
+  unsigned answered = 0;
+  for (unsigned rest = present_; rest != 0; rest &= rest - 1) {
+    const int lane = lowest_lane(rest);
+    take_bound(lane);
+    decide(lane);
+    const bool found = searches_[lane].stop_supposing();
+    if (found) answered |= 1u << lane;
+    bad_guesses +=
+        !found || guesses_.squared_distance[lane] > kBad * static_cast<float>(searches_[lane].squared_bound());
+  }
+  return answered;
+}
+
+/// Finds a first path of each lane, and searches no farther than it is long.
+template <int D>
+void GroupSearch<D>::search_from_paths(unsigned lanes) {
+  for (unsigned rest = lanes; rest != 0; rest &= rest - 1) {
+    const int lane = lowest_lane(rest);
+    guesses_.face[lane] = searches_[lane].first_face();
+    guesses_.nearest[lane] = kNone;
+    guesses_.squared_distance[lane] = HUGE_VALF;
+  }
+  if (scene_.options.use_hints) start_from_others(lanes);
+  present_ = lanes;
+  for (unsigned rest = lanes; rest != 0; rest &= rest - 1) {
+    const int lane = lowest_lane(rest);
+    searches_[lane].aim(guesses_.face[lane]);
+  }
+  follow_targets();
+  for (unsigned rest = lanes; rest != 0; rest &= rest - 1) {
+    const int lane = lowest_lane(rest);
+    if (searches_[lane].start())
+      take_bound(lane);
+    else
+      present_ &= ~(1u << lane);
+  }
+  collect_faces();
+  for (unsigned rest = present_; rest != 0; rest &= rest - 1) decide(lowest_lane(rest));
 }
 
 template <int D>
@@ -140,9 +219,9 @@ void GroupSearch<D>::place(int lane) {
   for (int i = 0; i < 2; ++i) sources_[i][lane] = std::bit_cast<float>(bars ? query.source[i] : kNone);
 }
 
-/// Finds a first path of each lane. Lanes that have none look for nothing any more.
+/// Tests what the searches aim at: side by side where that may be.
 template <int D>
-void GroupSearch<D>::start() {
+void GroupSearch<D>::follow_targets() {
   unsigned paths = 0;
   if constexpr (D == 3) {
     bundle_.clear();
@@ -155,10 +234,7 @@ void GroupSearch<D>::start() {
   }
   for (unsigned rest = present_; rest != 0; rest &= rest - 1) {
     const int lane = lowest_lane(rest);
-    if (searches_[lane].start((paths >> lane & 1) != 0 ? bundle_.elements_visited(lane) : 0))
-      take_bound(lane);
-    else
-      present_ &= ~(1u << lane);
+    searches_[lane].test_target((paths >> lane & 1) != 0 ? bundle_.elements_visited(lane) : 0);
   }
 }
 
@@ -169,143 +245,43 @@ void GroupSearch<D>::take_bound(int lane) {
   culling_ = searches_[lane].may_cull() ? culling_ | bit : culling_ & ~bit;
 }
 
+/// The nearest face that waits, or kNone when none is near enough any more.
 template <int D>
-void GroupSearch<D>::walk_down() {
-  nodes_.count = faces_.count = 0;
-  if (scene_.face_nodes.empty()) return;
-  for (unsigned rest = present_; rest != 0; rest &= rest - 1) {
-    nodes_.items[nodes_.count] = 0;
-    nodes_.lanes[nodes_.count++] = lowest_lane(rest);
+Index GroupSearch<D>::take_nearest(int lane) {
+  Waiting& waiting = waiting_[lane];
+  if (waiting.count == 0) return kNone;
+  int nearest = 0;
+  for (int k = 1; k < waiting.count; ++k)
+    if (waiting.squared_distance[k] < waiting.squared_distance[nearest]) nearest = k;
+  if (!(waiting.squared_distance[nearest] <= limit_[lane])) {
+    waiting.count = 0;
+    return kNone;
   }
-  for (std::size_t next = 0; next < nodes_.count; ++next) {
-    nodes_.reserve();
-    faces_.reserve();
-    const Index ahead = nodes_.items[next + kAhead < nodes_.count ? next + kAhead : next];
-    traversal::prefetch_node(scene_.face_nodes[ahead]);
-    for (std::size_t line = 0; line < sizeof(ConeNode); line += 64)
-      prefetch(reinterpret_cast<const char*>(scene_.face_cones + ahead) + line);
-    visit(nodes_.items[next], nodes_.lanes[next]);
+  const Index face = waiting.face[nearest];
+  --waiting.count;
+  waiting.squared_distance[nearest] = waiting.squared_distance[waiting.count];
+  waiting.face[nearest] = waiting.face[waiting.count];
+  return face;
+}
+
+/// Considers what waits, near to far, until there is something to aim at, or an answer.
+template <int D>
+void GroupSearch<D>::nominate(int lane) {
+  Search<D>& search = searches_[lane];
+  while (search.target() == nullptr && !search.has_answer()) {
+    const Index face = take_nearest(lane);
+    if (face == kNone) return;
+    search.nominate(face);
   }
 }
 
-template <int D>
-SELVAGE_INLINE void GroupSearch<D>::visit(Index place, Index lane) {
-  const BvhNode& node = scene_.face_nodes[place];
-  Float8 squared = Float8::broadcast(0);
-  for (int i = 0; i < 3; ++i) {
-    const Float8 below = Float8::load(node.lower[i]) - Float8::broadcast(upper_[i][lane]);
-    const Float8 above = Float8::broadcast(lower_[i][lane]) - Float8::load(node.upper[i]);
-    const Float8 gap = max(max(below, above), Float8::broadcast(0));
-    squared = squared + gap * gap;
-  }
-  unsigned wanted = less_equal(squared, Float8::broadcast(limit_[lane])) & node.present();
-  wanted &= ~(seen_askew(node, scene_.face_cones[place], lane) & (0u - (culling_ >> lane & 1u)));
-  const unsigned nodes = negative(Int8::load(node.children));
-  Index places[BvhNode::kWidth];
-  (~Int8::load(node.children)).store(places);
-  nodes_.add(places, wanted & nodes, lane);
-  faces_.add(node.children, wanted & ~nodes, lane);
-  if (PathCounters* counters = searches_[lane].counters()) ++counters->volumes_visited;
-}
-
-/// Children below which no answer lies: see ConeNode.
-template <int D>
-SELVAGE_INLINE unsigned GroupSearch<D>::seen_askew(const BvhNode& node, const ConeNode& cones, Index lane) const {
-  const Float8 zero = Float8::broadcast(0), half = Float8::broadcast(0.5f);
-  Float8 along = zero, squared_length = zero, squared_radius = zero, length_bound = zero;
-  for (int i = 0; i < 3; ++i) {
-    const Float8 lower = Float8::load(node.lower[i]), upper = Float8::load(node.upper[i]);
-    const Float8 from_middle = Float8::broadcast(eye_[i][lane]) - (lower + upper) * half,
-                 extent = (upper - lower) * half;
-    along = along + from_middle * Float8::load(cones.axis[i]);
-    squared_length = squared_length + from_middle * from_middle;
-    squared_radius = squared_radius + extent * extent;
-    length_bound = length_bound + max(from_middle, zero - from_middle);
-  }
-  // How far p is outside the cone of directions around the axis' opposite, opened at each point of the child's sphere.
-  // Slack for the rounding of positions in the frame, which is a few units across, and for the root of a small
-  // difference, which loses half its digits.
-  const Float8 across = sqrt(max(squared_length - along * along, zero)) * Float8::load(cones.cosine);
-  const Float8 lift = along * Float8::load(cones.sine);
-  const Float8 radius = sqrt(squared_radius) * Float8::broadcast(1.001f) + length_bound * Float8::broadcast(1e-3f) +
-                        Float8::broadcast(1e-6f);
-  const unsigned not_below = less_equal(radius, across + lift);
-  const unsigned not_above = less_equal(radius, across - lift);
-  return not_below & (not_above | ~cones.two_sided);
-}
-
-/// Sixteen pairs, or what is left: then the last is repeated.
-template <int D>
-SELVAGE_INLINE void GroupSearch<D>::look_at_faces(std::size_t first) {
-  const int count = faces_.count - first < kWidth ? static_cast<int>(faces_.count - first) : kWidth;
-  alignas(64) Index lanes[kWidth], vertices[D][kWidth], apexes[D][kWidth];
-  FaceView<D> view;
-  view.rounding = scene_.rounding;
-  for (unsigned& pairs : view.cullable) pairs = 0;
-  unsigned culling = 0;
-  for (int i = 0; i < kWidth; ++i) {
-    const std::size_t pair = first + static_cast<std::size_t>(i < count ? i : count - 1);
-    lanes[i] = faces_.lanes[pair];
-    culling |= (culling_ >> lanes[i] & 1u) << i;
-    const FaceStar<D>& star = scene_.face_stars[faces_.items[pair]];
-    for (int k = 0; k < D; ++k) {
-      vertices[k][i] = star.vertices[k];
-      apexes[k][i] = star.apexes[k];
-      view.cullable[k] |= static_cast<unsigned>(scene_.cullable[star.vertices[k]]) << i;
-    }
-    const std::size_t ahead = pair + kWidth;
-    prefetch(scene_.face_stars + faces_.items[ahead < faces_.count ? ahead : pair]);
-  }
-  for (int i = 0; i < 3; ++i) view.p.at[i] = Float16::pick(eye_[i], lanes);
-  const Float16 sources[2] = {Float16::pick(sources_[0], lanes), Float16::pick(sources_[1], lanes)};
-  for (int k = 0; k < D; ++k) {
-    view.corners[k] = gather(scene_.rounded, vertices[k]);
-    view.apexes[k] = gather(scene_.rounded, apexes[k]);
-    // A neighbour that has what p lies on is no candidate.
-    const Float16 numbers = Float16::load(reinterpret_cast<const float*>(apexes[k]));
-    view.has_neighbour[k] = ~(equal_bits(numbers, sources[0]) | equal_bits(numbers, sources[1]));
-  }
-  const FaceFindings found = look_at(view);
-  const unsigned present = 0xffffu >> (kWidth - count), culled = found.culled & culling & present;
-  const unsigned near = less_equal(found.squared_distance, Float16::pick(limit_, lanes), present & ~culled);
-  if (searches_[lanes[0]].counters() != nullptr) count_faces(first, present & ~near, culled);
-  float distances[kWidth];
-  found.squared_distance.store(distances);
-  for (unsigned rest = near; rest != 0; rest &= rest - 1) {
-    const int i = lowest_lane(rest);
-    Waiting& waiting = waiting_[lanes[i]];
-    waiting.squared_distance[waiting.count] = distances[i];
-    waiting.face[waiting.count++] = faces_.items[first + static_cast<std::size_t>(i)];
-    if (waiting.count == Waiting::kMost) decide(lanes[i]);
-  }
-}
-
-/// Pairs of which no more is seen; the others count when they are considered.
-template <int D>
-void GroupSearch<D>::count_faces(std::size_t first, unsigned seen, unsigned culled) {
-  for (unsigned rest = seen; rest != 0; rest &= rest - 1) {
-    const int i = lowest_lane(rest);
-    PathCounters& counters = *searches_[faces_.lanes[first + static_cast<std::size_t>(i)]].counters();
-    ++counters.faces_visited;
-    counters.culled += culled >> i & 1;
-  }
-}
-
-/// Considers what waits, near to far.
+/// Considers all that waits, near to far.
 template <int D>
 void GroupSearch<D>::decide(int lane) {
-  Waiting& waiting = waiting_[lane];
-  for (; waiting.count > 0; --waiting.count) {
-    int nearest = 0;
-    for (int k = 1; k < waiting.count; ++k)
-      if (waiting.squared_distance[k] < waiting.squared_distance[nearest]) nearest = k;
-    if (!(waiting.squared_distance[nearest] <= limit_[lane])) break;
-    searches_[lane].consider(waiting.face[nearest]);
+  for (Index face = take_nearest(lane); face != kNone; face = take_nearest(lane)) {
+    searches_[lane].consider(face);
     take_bound(lane);
-    waiting.squared_distance[nearest] = waiting.squared_distance[waiting.count - 1];
-    waiting.face[nearest] = waiting.face[waiting.count - 1];
   }
-  waiting.count = 0;
 }
 
 }  // namespace SELVAGE_ISA

@@ -1,4 +1,5 @@
-#include "boundary_path/group_search.h"
+#include "boundary_path/group_faces.h"
+#include "boundary_path/group_guess.h"
 
 namespace selvage {
 inline namespace SELVAGE_ISA {

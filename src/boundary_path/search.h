@@ -31,17 +31,42 @@ class Search {
   Search(const PathScene<D>& scene, const PathTask<D>& task, PathCounters* counters)
       : scene_(scene), task_(task), query_(task.query), counters_(counters), candidates_(scene, query_.point) {}
 
-  /// Looks for a first candidate: from the warm start, from answers to other queries, near in the mesh. False when the
-  /// point does not lie in its element.
-  bool aim(std::span<const Answer<D>> answers);
+  /// False when the point does not lie in its element.
+  bool locate();
 
-  /// The one that aim() found, where its segment may be followed in a WalkBundle; else null, or it has been tested.
+  /// The face to look for answers from: the one to try first, or near in the mesh.
+  Index first_face() const {
+    if (task_.warm_start != kNone || !scene_.options.use_hints) return task_.warm_start;
+    return scene_.hints[query_.element];
+  }
+
+  /// Whether a face may be the answer, wherever it lies.
+  bool may_end_at(Index face) const {
+    return scene_.face_stars[face].component == component_ && !is_excluded(face) && !scene_.inverted_owner[face];
+  }
+
+  /// Looks for answers no farther than this. Nothing is said of whether there are any.
+  void suppose(double squared_distance);
+  /// From now on also farther. False when there is no answer yet: then all faces are to be considered anew.
+  bool stop_supposing();
+
+  /// Considers a face; if it may be the answer the segment is left to be followed in a WalkBundle, where it may be.
+  void nominate(Index face);
+
+  /// Looks for a first candidate from a face on.
+  void aim(Index face);
+
+  /// What nominate() or aim() found, where its segment may be followed in a WalkBundle; else null: there is none, or it
+  /// has been tested.
   const Candidate<D>* target() const { return is_aiming_ ? &target_ : nullptr; }
+
+  /// Tests the target, if there is one.
+  /// @param elements_visited  by the segment to the target, when it is known to be a path
+  void test_target(int elements_visited);
 
   /// Goes on until there is a path: from the target's, from near in the mesh, and last anywhere. False when there is
   /// none.
-  /// @param elements_visited  by the segment to the target, when it is known to be a path
-  bool start(int elements_visited);
+  bool start();
 
   /// Tests a face unless it is known to be no answer. With `follow` goes on to neighbours that come closer.
   void consider(Index face, bool follow = false);
@@ -50,12 +75,13 @@ class Search {
   PathResult<D> finish();
 
   /// Nothing farther is an answer.
-  double squared_bound() const { return std::min(best_squared_, known_squared_); }
+  double squared_bound() const { return std::min(std::min(best_squared_, known_squared_), supposed_squared_); }
   /// Whether faces may be passed over because a neighbour comes closer: see docs/boundary_path.md.
   bool may_cull() const { return scene_.options.cull_infeasible_regions && reject_above_ < safe_distance_; }
   /// Whether faces that are no candidates, as p lies on them, may prove that others are none: see
   /// docs/boundary_path.md.
   bool may_cull_towards_source() const { return is_at_source_; }
+  bool has_answer() const { return best_squared_ < kInfinity; }
   Answer<D> answer() const { return {best_.face, query_.point + Vec<D>(best_.offset)}; }
   const PathQuery<D>& query() const { return query_; }
   /// Null when nothing is counted.
@@ -68,7 +94,6 @@ class Search {
   /// Bounds the error of WalkResult::left_at, with room to spare.
   static constexpr double kLeftAtError = 1e-6;
 
-  bool locate();
   bool may_postpone(const Candidate<D>& candidate) const;
   void set_safe_distance(bool own);
   void start_from(Index face);
@@ -114,9 +139,10 @@ class Search {
 
   Candidate<D> best_;
   double best_squared_ = kInfinity;
-  double known_squared_ = kInfinity;  ///< some boundary point that p can reach is this close
-  Index left_through_ = kNone;        ///< where a segment was seen to leave the material
-  double reject_above_ = kInfinity;   ///< distance of squared_bound(), widened for the rounding of squares
+  double known_squared_ = kInfinity;     ///< some boundary point that p can reach is this close
+  double supposed_squared_ = kInfinity;  ///< the answer is looked for no farther than this
+  Index left_through_ = kNone;           ///< where a segment was seen to leave the material
+  double reject_above_ = kInfinity;      ///< distance of squared_bound(), widened for the rounding of squares
 
   static constexpr int kRemembered = 64, kDismissed = 8;
   Index seen_[kRemembered];
@@ -126,6 +152,10 @@ class Search {
 
 template <int D>
 bool Search<D>::locate() {
+  const Index hint = scene_.options.use_hints ? scene_.hints[query_.element] : kNone;
+  if (hint != kNone)
+    for (const Index v : scene_.face_stars[hint].vertices)
+      at_hint_ = std::min(at_hint_, (scene_.positions[v] - query_.point).squaredNorm());
   std::array<Vec<D>, D + 1> corners;
   for (int i = 0; i <= D; ++i) corners[i] = scene_.positions[scene_.elements[query_.element].vertices[i]];
   const Containment at = locate_in_simplex<D>(corners, query_.point);
@@ -159,43 +189,49 @@ void Search<D>::start_from(Index face) {
 }
 
 template <int D>
-bool Search<D>::aim(std::span<const Answer<D>> answers) {
-  const Index hint = scene_.options.use_hints ? scene_.hints[query_.element] : kNone;
-  if (hint != kNone)
-    for (const Index v : scene_.face_stars[hint].vertices)
-      at_hint_ = std::min(at_hint_, (scene_.positions[v] - query_.point).squaredNorm());
-  if (!locate()) return false;
-  Index nearest = task_.warm_start;
-  if (scene_.options.use_hints) {
-    double least = at_hint_;
-    if (nearest == kNone) nearest = hint;
-    for (const Answer<D>& answer : answers) {
-      const double squared_distance = (answer.point - query_.point).squaredNorm();
-      if (task_.warm_start != kNone || !(squared_distance < least)) continue;
-      least = squared_distance;
-      nearest = answer.face;
-    }
-  }
-  is_aiming_ = true;
-  consider(nearest, true);
-  is_aiming_ = target_.face != kNone;
-  return true;
+void Search<D>::suppose(double squared_distance) {
+  supposed_squared_ = squared_distance;
+  reject_above_ = std::sqrt(squared_bound()) * kBoundSlack;
 }
 
 template <int D>
-bool Search<D>::start(int elements_visited) {
-  if (is_aiming_) {
-    is_aiming_ = false;
-    if (elements_visited > 0) {
-      if (counters_ != nullptr) {
-        ++counters_->traversals;
-        counters_->elements_visited += elements_visited;
-      }
-      accept(target_);
-    } else {
-      test(target_);
-    }
+bool Search<D>::stop_supposing() {
+  supposed_squared_ = kInfinity;
+  if (best_squared_ < kInfinity) return true;
+  for (Index& slot : seen_) slot = kNone;
+  reject_above_ = std::sqrt(squared_bound()) * kBoundSlack;
+  return false;
+}
+
+template <int D>
+void Search<D>::nominate(Index face) {
+  is_aiming_ = true;
+  consider(face);
+  is_aiming_ = target_.face != kNone;
+}
+
+template <int D>
+void Search<D>::aim(Index face) {
+  target_.face = kNone;
+  is_aiming_ = true;
+  consider(face, true);
+  is_aiming_ = target_.face != kNone;
+}
+
+template <int D>
+void Search<D>::test_target(int elements_visited) {
+  if (!is_aiming_) return;
+  is_aiming_ = false;
+  if (elements_visited == 0) return test(target_);
+  if (counters_ != nullptr) {
+    ++counters_->traversals;
+    counters_->elements_visited += elements_visited;
   }
+  accept(target_);
+}
+
+template <int D>
+bool Search<D>::start() {
   start_from(left_through_);
   if (at_hint_ < squared_bound()) start_from(scene_.hints[query_.element]);
   if (best_squared_ == kInfinity) start_anywhere();

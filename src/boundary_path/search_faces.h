@@ -26,8 +26,7 @@ bool Search<D>::is_new(Index face) {
 template <int D>
 void Search<D>::consider(Index face, bool follow) {
   while (face != kNone && is_new(face)) {
-    if (scene_.face_stars[face].component != component_ || is_excluded(face)) return;
-    if (scene_.inverted_owner[face]) return;
+    if (!may_end_at(face)) return;
     if (counters_ != nullptr) ++counters_->faces_visited;
     const auto estimate = candidates_.estimate(face);
     const double limit = reject_above_ + estimate.error;

@@ -132,10 +132,16 @@ class Segment {
     return a.across[0] * b.across[1] - a.across[1] * b.across[0];
   }
 
+  /// The sign of det(s - p, a - p, b - p) where it is certain at a glance, else 0.
+  int clear_side(const Shadow& a, const Shadow& b) const requires(D == 3) {
+    const double value = area(a, b);
+    if (!(std::abs(value) > shear_error_ * a.reach * b.reach + kTrustAbove)) return 0;
+    return sign_ * value > 0 ? 1 : -1;
+  }
+
   /// Exact sign of det(s - p, a - p, b - p).
   int side(const Shadow& a, const Shadow& b) const requires(D == 3) {
-    const double value = area(a, b);
-    if (std::abs(value) > shear_error_ * a.reach * b.reach + kTrustAbove) return sign_ * value > 0 ? 1 : -1;
+    if (const int clear = clear_side(a, b)) return clear;
     if (a.reach == 0 || b.reach == 0 || aims_at(a.vertex, b.vertex)) return 0;
     count_exact();
     return exact_.side({scene_.positions[a.vertex], scene_.positions[b.vertex]});

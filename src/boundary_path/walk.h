@@ -139,22 +139,26 @@ bool Walk<D>::find_first_gate(const Segment<D>& segment, Gate& gate) const {
   for (int i = 0; i <= D; ++i) shadows[i] = segment.shadow(vertices[i]);
   if constexpr (D == 3) {
     int side[4][4];
-    for (int i = 0; i < 4; ++i) {
-      for (int j = i + 1; j < 4; ++j) {
-        side[i][j] = segment.side(shadows[i], shadows[j]);
-        side[j][i] = -side[i][j];
-        if (side[i][j] == 0) return false;
+    const auto find_face = [&] {
+      constexpr int kFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+      for (gate.face = 0; gate.face < 4; ++gate.face) {
+        const auto& [a, b, c] = kFaces[gate.face];
+        if (side[a][b] <= 0 || side[b][c] <= 0 || side[c][a] <= 0) continue;
+        gate.corners[0] = shadows[a];
+        gate.corners[1] = shadows[b];
+        gate.corners[2] = shadows[c];
+        return true;
       }
-    }
-    constexpr int kFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-    for (gate.face = 0; gate.face < 4; ++gate.face) {
-      const int a = kFaces[gate.face][0], b = kFaces[gate.face][1], c = kFaces[gate.face][2];
-      if (side[a][b] < 0 || side[b][c] < 0 || side[c][a] < 0) continue;
-      gate.corners[0] = shadows[a];
-      gate.corners[1] = shadows[b];
-      gate.corners[2] = shadows[c];
-      return true;
-    }
+      return false;
+    };
+    // Often the line comes exactly out of a vertex behind p, which does not matter.
+    for (int i = 0; i < 4; ++i)
+      for (int j = i + 1; j < 4; ++j) side[j][i] = -(side[i][j] = segment.clear_side(shadows[i], shadows[j]));
+    if (find_face()) return true;
+    for (int i = 0; i < 4; ++i)
+      for (int j = i + 1; j < 4; ++j)
+        if (side[i][j] == 0) side[j][i] = -(side[i][j] = segment.side(shadows[i], shadows[j]));
+    return find_face();
   } else {
     int side[3];
     for (int i = 0; i < 3; ++i)
@@ -180,9 +184,15 @@ bool Walk<D>::pass_gate(const Segment<D>& segment, Index next, Gate& gate) const
   const Shadow apex = segment.shadow(vertices[HalfFace{next}.face()]);
   int behind;  // the corner that does not see the line any more
   if constexpr (D == 3) {
-    const int a = segment.side(gate.corners[0], apex), b = segment.side(gate.corners[1], apex),
-              c = segment.side(gate.corners[2], apex);
-    if (a == 0 || b == 0 || c == 0) return false;
+    int a = segment.clear_side(gate.corners[0], apex), b = segment.clear_side(gate.corners[1], apex),
+        c = segment.clear_side(gate.corners[2], apex);
+    const auto is_clear = [&] { return (((a < 0) & (b > 0)) | ((b < 0) & (c > 0)) | ((c < 0) & (a > 0))) != 0; };
+    if (!is_clear()) {  // two that are on different sides are enough
+      a = segment.side(gate.corners[0], apex);
+      b = segment.side(gate.corners[1], apex);
+      c = segment.side(gate.corners[2], apex);
+      if (!is_clear()) return false;
+    }
     behind = 1 + ((a < 0) & (b > 0)) - ((b < 0) & (c > 0));  // without a branch: nobody can foretell it
   } else {
     const int side = segment.side(apex);

@@ -140,19 +140,18 @@ inline void WalkBundle::find_first_gates() {
     store(shadows[k], rows[k]);
   }
   Sides side[4][4];
-  unsigned certain = walking_;
   for (int i = 0; i < 4; ++i) {
     for (int j = i + 1; j < 4; ++j) {
       side[i][j] = sides(shadows[i], shadows[j]);
       side[j][i] = {side[i][j].negative, side[i][j].positive};
-      certain &= side[i][j].positive | side[i][j].negative;
     }
   }
+  const unsigned starting = walking_;
   walking_ = 0;
   constexpr int kFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
   for (int face = 0; face < 4; ++face) {
     const auto& [a, b, c] = kFaces[face];
-    const unsigned through = certain & side[a][b].positive & side[b][c].positive & side[c][a].positive;
+    const unsigned through = starting & side[a][b].positive & side[b][c].positive & side[c][a].positive;
     for (unsigned rest = through; rest != 0; rest &= rest - 1) {
       const int lane = lowest_lane(rest);
       for (int k = 0; k < 3; ++k) set_corner(k, lane, apexes_[kFaces[face][k]][lane], rows[kFaces[face][k]]);
@@ -190,14 +189,13 @@ inline unsigned WalkBundle::arrive() {
 inline void WalkBundle::pass_gates() {
   const Shadows apex = shadows_of(apexes_[0]);
   Sides side[3];
-  for (int k = 0; k < 3; ++k) {
+  for (int k = 0; k < 3; ++k)
     side[k] =
         sides({Float16::load(corners_[k][0]), Float16::load(corners_[k][1]), Float16::load(corners_[k][2])}, apex);
-    walking_ &= side[k].positive | side[k].negative;
-  }
   alignas(64) float rows[3][kLanes];
   store(apex, rows);
-  const unsigned last = side[0].negative & side[1].positive, first = side[1].negative & side[2].positive & ~last;
+  const unsigned last = side[0].negative & side[1].positive, first = side[1].negative & side[2].positive;
+  walking_ &= last | first | (side[2].negative & side[0].positive);
   for (unsigned rest = walking_; rest != 0; rest &= rest - 1) {
     const int lane = lowest_lane(rest);
     const int behind = static_cast<int>(1 + (last >> lane & 1) - (first >> lane & 1));

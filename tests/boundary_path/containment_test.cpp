@@ -184,7 +184,7 @@ TEST(OrderInSpace, KeepsNeighboursInGroups) {
     numbers[i] = i;
     line[i] = {1, static_cast<float>(i * 331 % kCount), 1, 0};  // each place once
   }
-  order_in_space<4>(line, numbers);
+  order_in_space(line, numbers);
   for (Index i = 0; i < kCount; ++i)
     EXPECT_EQ(static_cast<Index>(line[numbers[i]][1]) / kPointGroup, i / kPointGroup) << i;
 }
@@ -194,8 +194,40 @@ TEST(OrderInSpace, TakesPointsAtOnePlace) {
   std::vector<Index> numbers(here.size()), all(here.size());
   std::iota(all.rbegin(), all.rend(), 0);
   numbers = all;
-  order_in_space<4>(here, numbers);
+  order_in_space(here, numbers);
   EXPECT_TRUE(std::is_permutation(numbers.begin(), numbers.end(), all.begin()));
+}
+
+TEST(OrderAlongCurve, KeepsTogetherWhatIsNearInBothKinds) {
+  constexpr int kSide = 8;
+  std::vector<std::array<float, 6>> places;
+  for (int i = 0; i < 2 * kSide * kSide * kSide; ++i) {
+    const int k = i * 331 % (2 * kSide * kSide * kSide);  // each once
+    const auto at = [&](int n) { return static_cast<float>(k / n % kSide); };
+    const float sheet = k < kSide * kSide * kSide ? 0.0f : 7.0f;  // two that overlap in space
+    places.push_back({at(1), at(kSide), at(kSide * kSide), sheet, 0, 0});
+  }
+  const std::vector<Index> order = order_along_curve(places);
+  std::vector<Index> sorted = order;
+  std::sort(sorted.begin(), sorted.end());
+  for (Index i = 0; i < std::ssize(sorted); ++i) ASSERT_EQ(sorted[i], i);
+  for (std::size_t first = 0; first < order.size(); first += 8)
+    for (std::size_t i = first + 1; i < first + 8; ++i)
+      for (int axis = 0; axis < 6; ++axis)
+        EXPECT_LE(std::abs(places[order[i]][axis] - places[order[first]][axis]), 1.0f) << first;
+}
+
+TEST(OrderAlongCurve, TakesPlacesAnywhere) {
+  const float infinity = std::numeric_limits<float>::infinity();
+  const std::vector<std::array<float, 6>> places = {{infinity, 0, 0, 0, 0, 0},
+                                                    {0, -infinity, 0, 0, 0, 0},
+                                                    {1, 2, 3, 4, 5, 6},
+                                                    {1, 2, 3, 4, 5, 6},
+                                                    {3e38f, 0, 0, 0, 0, 0}};
+  std::vector<Index> order = order_along_curve(places);
+  std::sort(order.begin(), order.end());
+  EXPECT_EQ(order, (std::vector<Index>{0, 1, 2, 3, 4}));
+  EXPECT_TRUE(order_along_curve({}).empty());
 }
 
 }  // namespace

@@ -160,12 +160,12 @@ void check(double extent, unsigned seed) {
       tight += bound >= distance * 0.999 - 1e-5 * extent;
       const bool is_inside = s.vertex_mask == (1u << D) - 1;
       const double lead = lead_of_neighbours(p, batch.stars[i], batch.cullable[i], batch.has_neighbour[i]);
-      if ((found.culled >> i & 1) != 0) {
+      if ((found.culled() >> i & 1) != 0) {
         ASSERT_TRUE(is_inside ? is_outside(p, batch.stars[i]) : lead > 0) << k << ' ' << i << ' ' << lead;
       }
       const bool is_clear = !is_inside && lead > 0.1 && distance > 0.01 * extent;
       infeasible += is_clear;
-      culled += is_clear && (found.culled >> i & 1) != 0;
+      culled += is_clear && (found.culled() >> i & 1) != 0;
     }
   }
   const auto least = [](double share, std::int64_t all) { return share * static_cast<double>(all); };
@@ -193,7 +193,7 @@ TEST(FaceView, KnowsNothingOfAPointOnTheFace) {
   float squared[kPairs];
   found.squared_distance.store(squared);
   for (const float x : squared) EXPECT_EQ(x, 0);
-  EXPECT_EQ(found.culled, 0u);
+  EXPECT_EQ(found.culled(), 0u);
 }
 
 }  // namespace

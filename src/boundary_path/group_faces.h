@@ -1,0 +1,148 @@
+#pragma once
+
+#include "boundary_path/group_search.h"
+
+/// How a GroupSearch finds the faces that may be answers: down the hierarchy, then in single precision.
+namespace selvage {
+inline namespace SELVAGE_ISA {
+
+/// Lists for each lane the faces that may be its answer.
+template <int D>
+void GroupSearch<D>::collect_faces() {
+  walk_down();
+  for (std::size_t pair = 0; pair < faces_.count; pair += kWidth) look_at_faces(pair);
+}
+
+template <int D>
+void GroupSearch<D>::walk_down() {
+  nodes_.count = faces_.count = 0;
+  if (scene_.face_nodes.empty()) return;
+  for (unsigned rest = present_; rest != 0; rest &= rest - 1) {
+    nodes_.items[nodes_.count] = 0;
+    nodes_.lanes[nodes_.count++] = lowest_lane(rest);
+  }
+  for (std::size_t next = 0; next < nodes_.count; ++next) {
+    nodes_.reserve();
+    faces_.reserve();
+    const Index ahead = nodes_.items[next + kAhead < nodes_.count ? next + kAhead : next];
+    traversal::prefetch_node(scene_.face_nodes[ahead]);
+    for (std::size_t line = 0; line < sizeof(ConeNode); line += 64)
+      prefetch(reinterpret_cast<const char*>(scene_.face_cones + ahead) + line);
+    visit(nodes_.items[next], nodes_.lanes[next]);
+  }
+}
+
+template <int D>
+SELVAGE_INLINE void GroupSearch<D>::visit(Index place, Index lane) {
+  const BvhNode& node = scene_.face_nodes[place];
+  Float8 squared = Float8::broadcast(0);
+  for (int i = 0; i < 3; ++i) {
+    const Float8 below = Float8::load(node.lower[i]) - Float8::broadcast(upper_[i][lane]);
+    const Float8 above = Float8::broadcast(lower_[i][lane]) - Float8::load(node.upper[i]);
+    const Float8 gap = max(max(below, above), Float8::broadcast(0));
+    squared = squared + gap * gap;
+  }
+  unsigned wanted = less_equal(squared, Float8::broadcast(limit_[lane])) & node.present();
+  wanted &= ~(seen_askew(node, scene_.face_cones[place], lane) & (0u - (culling_ >> lane & 1u)));
+  const unsigned nodes = negative(Int8::load(node.children));
+  Index places[BvhNode::kWidth];
+  (~Int8::load(node.children)).store(places);
+  nodes_.add(places, wanted & nodes, lane);
+  faces_.add(node.children, wanted & ~nodes, lane);
+  if (PathCounters* counters = searches_[lane].counters()) ++counters->volumes_visited;
+}
+
+/// Children below which no answer lies: see ConeNode.
+template <int D>
+SELVAGE_INLINE unsigned GroupSearch<D>::seen_askew(const BvhNode& node, const ConeNode& cones, Index lane) const {
+  const Float8 zero = Float8::broadcast(0), half = Float8::broadcast(0.5f);
+  Float8 along = zero, squared_length = zero, squared_radius = zero, length_bound = zero;
+  for (int i = 0; i < 3; ++i) {
+    const Float8 lower = Float8::load(node.lower[i]), upper = Float8::load(node.upper[i]);
+    const Float8 from_middle = Float8::broadcast(eye_[i][lane]) - (lower + upper) * half,
+                 extent = (upper - lower) * half;
+    along = along + from_middle * Float8::load(cones.axis[i]);
+    squared_length = squared_length + from_middle * from_middle;
+    squared_radius = squared_radius + extent * extent;
+    length_bound = length_bound + max(from_middle, zero - from_middle);
+  }
+  // How far p is outside the cone of directions around the axis' opposite, opened at each point of the child's sphere.
+  // Slack for the rounding of positions in the frame, which is a few units across, and for the root of a small
+  // difference, which loses half its digits.
+  const Float8 across = sqrt(max(squared_length - along * along, zero)) * Float8::load(cones.cosine);
+  const Float8 lift = along * Float8::load(cones.sine);
+  const Float8 radius = sqrt(squared_radius) * Float8::broadcast(1.001f) + length_bound * Float8::broadcast(1e-3f) +
+                        Float8::broadcast(1e-6f);
+  const unsigned not_below = less_equal(radius, across + lift);
+  const unsigned not_above = less_equal(radius, across - lift);
+  return not_below & (not_above | ~cones.two_sided);
+}
+
+/// Sixteen pairs of a lane and a face, ready to be looked at.
+template <int D>
+SELVAGE_INLINE FaceView<D> GroupSearch<D>::view(const Index* faces, const Index* lanes) const {
+  alignas(64) Index vertices[D][kWidth], apexes[D][kWidth];
+  FaceView<D> view;
+  view.rounding = scene_.rounding;
+  for (unsigned& pairs : view.cullable) pairs = 0;
+  for (int i = 0; i < kWidth; ++i) {
+    const FaceStar<D>& star = scene_.face_stars[faces[i]];
+    for (int k = 0; k < D; ++k) {
+      vertices[k][i] = star.vertices[k];
+      apexes[k][i] = star.apexes[k];
+      view.cullable[k] |= static_cast<unsigned>(scene_.cullable[star.vertices[k]]) << i;
+    }
+  }
+  for (int i = 0; i < 3; ++i) view.p.at[i] = Float16::pick(eye_[i], lanes);
+  const Float16 sources[2] = {Float16::pick(sources_[0], lanes), Float16::pick(sources_[1], lanes)};
+  for (int k = 0; k < D; ++k) {
+    view.corners[k] = gather(scene_.rounded, vertices[k]);
+    view.apexes[k] = gather(scene_.rounded, apexes[k]);
+    // A neighbour that has what p lies on is no candidate.
+    const Float16 numbers = Float16::load(reinterpret_cast<const float*>(apexes[k]));
+    view.has_neighbour[k] = ~(equal_bits(numbers, sources[0]) | equal_bits(numbers, sources[1]));
+  }
+  return view;
+}
+
+/// Sixteen pairs, or what is left: then the last is repeated.
+template <int D>
+SELVAGE_INLINE void GroupSearch<D>::look_at_faces(std::size_t first) {
+  const int count = faces_.count - first < kWidth ? static_cast<int>(faces_.count - first) : kWidth;
+  alignas(64) Index lanes[kWidth], faces[kWidth];
+  unsigned culling = 0;
+  for (int i = 0; i < kWidth; ++i) {
+    const std::size_t pair = first + static_cast<std::size_t>(i < count ? i : count - 1), ahead = pair + kWidth;
+    faces[i] = faces_.items[pair];
+    lanes[i] = faces_.lanes[pair];
+    culling |= (culling_ >> lanes[i] & 1u) << i;
+    prefetch(scene_.face_stars + faces_.items[ahead < faces_.count ? ahead : pair]);
+  }
+  const FaceFindings<D> found = look_at(view(faces, lanes));
+  const unsigned present = 0xffffu >> (kWidth - count), culled = found.culled() & culling & present;
+  const unsigned near = less_equal(found.squared_distance, Float16::pick(limit_, lanes), present & ~culled);
+  if (searches_[lanes[0]].counters() != nullptr) count_faces(first, present & ~near, culled);
+  float distances[kWidth];
+  found.squared_distance.store(distances);
+  for (unsigned rest = near; rest != 0; rest &= rest - 1) {
+    const int i = lowest_lane(rest);
+    Waiting& waiting = waiting_[lanes[i]];
+    waiting.squared_distance[waiting.count] = distances[i];
+    waiting.face[waiting.count++] = faces_.items[first + static_cast<std::size_t>(i)];
+    if (waiting.count == Waiting::kMost) decide(lanes[i]);
+  }
+}
+
+/// Pairs of which no more is seen; the others count when they are considered.
+template <int D>
+void GroupSearch<D>::count_faces(std::size_t first, unsigned seen, unsigned culled) {
+  for (unsigned rest = seen; rest != 0; rest &= rest - 1) {
+    const int i = lowest_lane(rest);
+    PathCounters& counters = *searches_[faces_.lanes[first + static_cast<std::size_t>(i)]].counters();
+    ++counters.faces_visited;
+    counters.culled += culled >> i & 1;
+  }
+}
+
+}  // namespace SELVAGE_ISA
+}  // namespace selvage
