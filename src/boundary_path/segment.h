@@ -147,10 +147,16 @@ class Segment {
     return exact_.side({scene_.positions[a.vertex], scene_.positions[b.vertex]});
   }
 
+  /// The same of det(s - p, a - p).
+  int clear_side(const Shadow& a) const requires(D == 2) {
+    const double value = a.across[0];
+    if (!(std::abs(value) > shear_error_ * a.reach + kTrustAbove)) return 0;
+    return sign_ * value > 0 ? 1 : -1;
+  }
+
   /// Exact sign of det(s - p, a - p).
   int side(const Shadow& a) const requires(D == 2) {
-    const double value = a.across[0];
-    if (std::abs(value) > shear_error_ * a.reach + kTrustAbove) return sign_ * value > 0 ? 1 : -1;
+    if (const int clear = clear_side(a)) return clear;
     if (a.reach == 0 || (candidate_.target.count == 1 && a.vertex == candidate_.ids[0])) return 0;
     count_exact();
     return exact_.side({scene_.positions[a.vertex]});
@@ -190,6 +196,9 @@ class Segment {
     for (int i = 0; i < D; ++i) sum += c.weights[i] * face[i].along;
     return sum / (c.total * end_);
   }
+
+  /// Whether the vertex lies behind p, along the axis on which the segment is longest: exactly.
+  bool is_behind_start(const Shadow& a) const { return forward_ * a.along < 0; }
 
   /// Whether the line certainly crosses the face before it comes to s, wherever it passes through: exactly, since that
   /// is seen on the coordinates of the face's vertices.

@@ -18,11 +18,15 @@ struct WalkResult {
 /// Elements that were visited: the first ones in place, more in a growing list as a fail-safe (SPB supplement 1.2).
 class VisitedElements {
  public:
+  bool contains(Index element) const {
+    for (int i = 0; i < count_; ++i)
+      if (first_[i] == element) return true;
+    return SELVAGE_ISA::contains(more_, element);
+  }
+
   /// Whether the element is new; it is visited from now on.
   bool insert(Index element) {
-    for (int i = 0; i < count_; ++i)
-      if (first_[i] == element) return false;
-    if (contains(more_, element)) return false;
+    if (contains(element)) return false;
     if (count_ < kInPlace)
       first_[count_++] = element;
     else
@@ -83,6 +87,7 @@ class Walk {
   bool find_first_gate(const Segment<D>& segment, Gate& gate) const;
   bool pass_gate(const Segment<D>& segment, Index next, Gate& gate) const;
   bool connects_exactly(const Segment<D>& segment, const Candidate<D>& candidate) const;
+  bool segment_clearly_misses(const Segment<D>& segment, Index element, int face) const;
   FacePoints<D> face_points(Index element, int face) const {
     const auto ids = SimplexMesh<D>::face_of(scene_.elements[element].vertices, face);
     FacePoints<D> points;
@@ -248,15 +253,40 @@ bool Walk<D>::connects_exactly(const Segment<D>& segment, const Candidate<D>& ca
     if (contains_target(element, candidate) && is_at_corner(element, candidate)) return true;
     for (int i = 0; i <= D; ++i) {
       const Index next = scene_.elements[element].neighbours[i];
-      if (next < 0) continue;
+      if (next < 0 || visited.contains(HalfFace{next}.element()) || segment_clearly_misses(segment, element, i))
+        continue;
       segment.count_exact();
       if (!segment.exact().touches(face_points(element, i))) continue;
-      if (!visited.insert(HalfFace{next}.element())) continue;
+      visited.insert(HalfFace{next}.element());
       count_element();
       pending.push_back(HalfFace{next}.element());
     }
   }
   return false;
+}
+
+/// Whether the closed segment has no point of the closed face, as far as that is certain at a glance: the line passes
+/// beside the face, or the face lies behind p.
+template <int D>
+bool Walk<D>::segment_clearly_misses(const Segment<D>& segment, Index element, int face) const {
+  const auto ids = SimplexMesh<D>::face_of(scene_.elements[element].vertices, face);
+  Shadow corners[D];
+  bool ahead = false;
+  for (int i = 0; i < D; ++i) {
+    corners[i] = segment.shadow(ids[i]);
+    ahead |= !segment.is_behind_start(corners[i]);
+  }
+  int positive = 0, negative = 0;
+  for (int i = 0; i < D; ++i) {
+    int side;
+    if constexpr (D == 3)
+      side = segment.clear_side(corners[i], corners[(i + 1) % D]);
+    else
+      side = segment.clear_side(corners[i]);
+    positive += side > 0;
+    negative += side < 0;
+  }
+  return !ahead || (D == 3 ? positive > 0 && negative > 0 : positive == D || negative == D);
 }
 
 template <int D>
