@@ -220,13 +220,13 @@ INSTANTIATE_TEST_SUITE_P(
         SmallScene{"octopi_8_dcd", kTwoOctopi, 60, 40'000, 20, 2e-3}),
     [](const auto& param) { return param.param.name; });
 
-/// The elements of the middle are flatter than a fifth then, and some inside out.
+/// Of radius 0.5 without its tentacles, by plates that come to 0.1 from its middle.
 TEST(SceneRuns, AFlattenedBallReturnsToItsShape) {
   if (test::scaled(100) < 100) GTEST_SKIP() << "takes minutes with a sanitizer";
   Play play(load("flattened_ball", {{"/bodies/0/mesh/tentacles", "6"}, {"/bodies/0/mesh/elements", "3000"}}));
   const std::vector<Vec3> rest = play.state().positions;
   play.run_frames(31);
-  for (const Vec3& p : play.state().positions) EXPECT_LE(std::abs(p[2]), 0.05 + 1e-9);
+  for (const Vec3& p : play.state().positions) EXPECT_LE(std::abs(p[2]), 0.1 + 1e-9);
   play.run_frames(29);
   const Tangle end = tangle_of(play);
   EXPECT_EQ(end.inverted, 0);
