@@ -1,5 +1,4 @@
-#include "kernels/arithmetic.h"
-#include "selvage/core/parallel.h"
+#include "material_limit.h"
 #include "selvage/mesh/shapes.h"
 #include "simulation/material_solver.h"
 
@@ -15,10 +14,6 @@
 // registers; the one that would take longer for the work of an iteration binds.
 namespace selvage {
 namespace {
-
-/// Arithmetic on doubles in the kernel for one element, as written: additions, subtractions, multiplications; a square
-/// root and two divisions besides.
-constexpr double kOperationsPerElement = 346;
 
 Model make_block(Index elements, MaterialKind kind) {
   ShapeOptions options;
@@ -56,10 +51,8 @@ void solve(benchmark::State& state, MaterialKind kind) {
   const double elements = model.mesh.element_count();
   state.counters["elements/s"] = rate(iterations * elements);
   if (kind == MaterialKind::kNeoHookean) {
-    state.counters["flop/s"] = rate(iterations * elements * kOperationsPerElement);
-    // Batches are read, their multipliers written; vertices at least read and written once.
-    const double bytes = elements * (sizeof(ElementBatch) + 2 * 8 * kBatch) / kBatch +
-                         2 * static_cast<double>(rows.size() * sizeof(VertexRow));
+    state.counters["flop/s"] = rate(iterations * elements * bench::kOperationsPerElement);
+    const double bytes = bench::material_bytes(elements, static_cast<double>(rows.size()));
     state.counters["bytes/s"] = rate(iterations * bytes);
   }
 }

@@ -108,7 +108,9 @@ void bench_simulation(const Arguments& arguments, SimulationPlan plan) {
   if (arguments.quick) {
     plan.frames = 2;
     plan.scenes = {"sliding_cube", "tangled_noodle", "octopi_8_hybrid"};
+    plan.growth = false;
   }
+  plan.threads = arguments.threads;
   measure_simulation(plan, arguments.table(), arguments.json);
 }
 
@@ -144,13 +146,14 @@ int main(int argc, char** argv) try {
   SimulationPlan simulation;
   simulation.folder = SELVAGE_SCENES;
   CLI::App* scenes = app.add_subcommand("simulation", "Scenes, with the columns of SPB table 1");
-  scenes->footer("Example: selvage_bench simulation --scene octopi_8_hybrid --frames 30 --no-culling");
+  scenes->footer("Example: selvage_bench simulation --scene octopi_8_hybrid --frames 30");
   scenes->add_option("--scenes", simulation.folder, "Folder of the scenes")->capture_default_str();
   scenes->add_option("--scene", simulation.scenes, "Only these");
   scenes->add_option("--scale", simulation.scale, "A scale of theirs, as paper");
   scenes->add_option("--frames", simulation.frames, "Frames of each; without, as many as it has")
       ->check(CLI::PositiveNumber);
-  scenes->add_flag("--no-culling", simulation.without_culling, "Also without infeasible-region culling");
+  scenes->add_flag("!--culling-only", simulation.without_culling, "Not also without infeasible-region culling");
+  scenes->add_flag("!--no-growth", simulation.growth, "Without the cost of a step over 1, 10 and 100 octopi");
   for (CLI::App* sub : {paths, collisions, scenes}) {
     sub->add_option("--threads", arguments.threads, "All threads; 1: nothing but one")->check(CLI::PositiveNumber);
     sub->add_option("--json", arguments.json, "Machine-readable result; - is standard output");

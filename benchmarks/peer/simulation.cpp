@@ -1,5 +1,6 @@
 #include "peer/simulation.h"
 
+#include "material_limit.h"
 #include "peer/json_file.h"
 #include "selvage/core/error.h"
 #include "selvage/simulation/run.h"
@@ -8,6 +9,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <fstream>
 
 namespace selvage::bench {
 
@@ -15,6 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+
+constexpr const char* kGrowing = "octopi_600.json";
+constexpr std::int64_t kGrowthFrames = 10;
 
 std::vector<std::string> names_of(const SimulationPlan& plan) {
   if (!plan.scenes.empty()) return plan.scenes;
@@ -24,22 +30,50 @@ std::vector<std::string> names_of(const SimulationPlan& plan) {
   return names;
 }
 
-/// Runs into a folder that is removed again.
-json run(const Scene& scene, const SimulationPlan& plan) {
-  const fs::path folder = fs::temp_directory_path() / fmt::format("selvage-bench-{}", getpid());
+/// A folder in the system's place for such, removed again with all that is in it.
+class Folder {
+ public:
+  Folder() { fs::remove_all(path_); }
+  ~Folder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_ = fs::temp_directory_path() / fmt::format("selvage-bench-{}", getpid());
+};
+
+/// The summary of a run, with what its material solve reached.
+json run(const Scene& scene, std::int64_t frames, const MachineLimit& limit) {
+  const Folder folder;
   RunOptions options;
-  options.folder = folder;
-  if (plan.frames > 0) options.frames = plan.frames;
+  options.folder = folder.path();
+  if (frames > 0) options.frames = frames;
   const RunReport report = run_scene(scene, options);
-  fs::remove_all(folder);
-  return json::parse(summarize_run(scene, report));
+  json summary = json::parse(summarize_run(scene, report));
+  double constraints = 0, seconds = 0;
+  for (const FrameStatistics& row : report.frames) {
+    constraints += static_cast<double>(row.constraints);
+    seconds += row.seconds_material;
+  }
+  const double iterations = summary["steps"].get<double>() * scene.options.iterations;
+  const double least = iterations * limit.seconds(scene.model.mesh.element_count(), scene.model.mesh.vertex_count());
+  if (seconds > 0) {
+    summary["constraints_per_second"] = constraints / seconds;
+    summary["fraction_of_limit"] = least / seconds;
+  }
+  return summary;
 }
 
 void print_head(std::FILE* table) {
   fmt::print(table,
-             "{:<26} {:>9} {:>10} {:>8} {:>8} {:>8} {:>7} {:>6} {:>6} {:>12} {:>8} {:>8} {:>6} {:>6} {:>6} {:>6}  {}\n",
+             "{:<26} {:>9} {:>10} {:>8} {:>8} {:>8} {:>7} {:>6} {:>6} {:>12} {:>8} {:>8} {:>6} {:>6} {:>6} {:>6} {:>8} "
+             "{:>6}  {}\n",
              "scene", "vertices", "elements", "ccd", "dcd", "paths", "volumes", "trav.", "elem.", "step x iter",
-             "avg s", "max s", "xpbd", "ccd", "dcd", "paths", "at the end");
+             "avg s", "max s", "xpbd", "ccd", "dcd", "paths", "M con./s", "limit", "at the end");
 }
 
 void print_row(std::FILE* table, const std::string& name, const json& s) {
@@ -49,17 +83,45 @@ void print_row(std::FILE* table, const std::string& name, const json& s) {
   const auto percent = [&](const char* part) { return 100 * share[part].get<double>(); };
   fmt::print(table,
              "{:<26} {:>9} {:>10} {:>8.1f} {:>8.1f} {:>8.1f} {:>7.1f} {:>6.2f} {:>6.2f} {:>12} {:>8.3f} {:>8.3f} "
-             "{:>5.1f}% {:>5.1f}% {:>5.1f}% {:>5.1f}%  {} penetrate by {:.2g} m, {} inverted{}\n",
+             "{:>5.1f}% {:>5.1f}% {:>5.1f}% {:>5.1f}% {:>8.1f} {:>5.1f}%  {} penetrate by {:.2g} m, {} inverted{}\n",
              name, s["vertices"].get<std::int64_t>(), s["elements"].get<std::int64_t>(),
              step["ccd_contacts"].get<double>(), step["dcd_contacts"].get<double>(), step["path_queries"].get<double>(),
              path["volumes"].get<double>(), path["traversals"].get<double>(), path["elements"].get<double>(),
              fmt::format("{:.1e} x {}", s["time_step"].get<double>(), s["iterations"].get<int>()),
              s["frame_seconds"]["average"].get<double>(), s["frame_seconds"]["longest"].get<double>(),
              percent("material"), percent("ccd"), percent("dcd"), percent("paths"),
+             1e-6 * s.value("constraints_per_second", 0.0), 100 * s.value("fraction_of_limit", 0.0),
              s["at_end"]["penetrating_vertices"].get<std::int64_t>(), s["at_end"]["deepest_penetration"].get<double>(),
              s["at_end"]["inverted_elements"].get<std::int64_t>(),
              s["outcome"] == "finished" ? "" : "; " + s["message"].get<std::string>());
   std::fflush(table);
+}
+
+/// The scene of many octopi with as many as are asked for.
+Scene read_octopi(const SimulationPlan& plan, const std::array<int, 3>& counts) {
+  std::ifstream file(plan.folder / kGrowing);
+  json text = json::parse(file);
+  text.erase("scales");
+  text["bodies"][0]["instances"]["grid"]["counts"] = counts;
+  text["colliders"][0]["box"]["max"] = {4.2 * counts[0] + 0.1, 4.2 * counts[1] + 0.1, 100};
+  const Folder folder;
+  fs::create_directories(folder.path());
+  std::ofstream(folder.path() / kGrowing) << text;
+  return read_scene(folder.path() / kGrowing);
+}
+
+void measure_growth(const SimulationPlan& plan, const MachineLimit& limit, std::FILE* table, json& results) {
+  fmt::print(table, "\n{:>8} {:>10} {:>12} {:>14}\n", "octopi", "elements", "ms a step", "ns an element");
+  for (const std::array<int, 3>& counts : {std::array{1, 1, 1}, std::array{2, 1, 5}, std::array{5, 4, 5}}) {
+    const Scene scene = read_octopi(plan, counts);
+    json summary = run(scene, plan.frames > 0 ? plan.frames : kGrowthFrames, limit);
+    const double seconds = summary["seconds"]["steps"].get<double>() / summary["steps"].get<double>();
+    const double elements = summary["elements"].get<double>();
+    fmt::print(table, "{:>8} {:>10} {:>12.2f} {:>14.1f}\n", scene.model.bodies.size(), elements, 1e3 * seconds,
+               1e9 * seconds / elements);
+    std::fflush(table);
+    results.push_back(std::move(summary));
+  }
 }
 
 }  // namespace
@@ -67,20 +129,25 @@ void print_row(std::FILE* table, const std::string& name, const json& s) {
 void measure_simulation(const SimulationPlan& plan, std::FILE* table, const std::string& json_path) {
   if (!fs::is_directory(plan.folder))
     throw Error(plan.folder.string(), "is no folder of scenes", "name it by --scenes");
+  const MachineLimit limit = MachineLimit::measure(plan.threads);
+  fmt::print(table, "{} threads, at most {:.1f} G operations/s on doubles and {:.1f} GB/s of memory\n\n", plan.threads,
+             1e-9 * limit.operations_per_second, 1e-9 * limit.bytes_per_second);
   print_head(table);
-  json results = json::array();
+  json results = json::array(), growth = json::array();
   for (const std::string& name : names_of(plan)) {
     Scene scene = read_scene(plan.folder / (name + ".json"), plan.scale);
     for (const bool culling : {true, false}) {
       if (!culling && !plan.without_culling) continue;
       scene.options.contact.cull_infeasible_regions = culling;
-      json summary = run(scene, plan);
+      json summary = run(scene, plan.frames, limit);
       summary["culling"] = culling;
       print_row(table, culling ? name : name + ", no culling", summary);
       results.push_back(std::move(summary));
     }
   }
-  if (!json_path.empty()) write_json_file(json_path, {{"schema", 1}, {"kind", "bench-simulation"}, {"runs", results}});
+  if (plan.growth) measure_growth(plan, limit, table, growth);
+  if (!json_path.empty())
+    write_json_file(json_path, {{"schema", 1}, {"kind", "bench-simulation"}, {"runs", results}, {"growth", growth}});
 }
 
 }  // namespace selvage::bench

@@ -4,6 +4,7 @@
 #include "boundary_path/path_kernel.h"
 #include "boundary_path/pose.h"
 #include "boundary_path/vertex_proof.h"
+#include "selvage/bvh/traverse.h"
 #include "selvage/core/error.h"
 #include "selvage/core/isa.h"
 #include "selvage/core/parallel.h"
@@ -114,6 +115,9 @@ struct BoundaryPathFinder<D>::State {
   BoundaryPath<D> describe(const PathTask<D>& task, const PathResult<D>& result) const;
   Vec<D> normal_at(Index face, const PathResult<D>& result) const;
   bool is_skipped(Index element) const;
+  Box box_around(const std::array<Vec<D>, 2>& corners) const {
+    return pose.box_around(to_scene(corners[0]), to_scene(corners[1]));
+  }
 };
 
 template <int D>
@@ -292,6 +296,54 @@ typename BoundaryPathFinder<D>::Located BoundaryPathFinder<D>::locate(std::span<
   }
   std::partial_sum(located.first.begin(), located.first.end(), located.first.begin());
   return located;
+}
+
+namespace {
+
+/// Primitives of a hierarchy whose boxes meet each of some boxes.
+template <typename BoxOf>
+auto find_near(const Bvh& bvh, std::int64_t count, BoxOf&& box_of, auto nearby) {
+  constexpr std::int64_t kAtOnce = 64;
+  std::vector<std::vector<Index>> pieces((count + kAtOnce - 1) / kAtOnce);
+  nearby.first.assign(count + 1, 0);
+  parallel_for(std::ssize(pieces), 1, [&](std::int64_t k) {
+    for (std::int64_t i = k * kAtOnce; i < std::min((k + 1) * kAtOnce, count); ++i) {
+      const std::size_t before = pieces[k].size();
+      visit_overlaps(bvh.nodes(), box_of(i), [&](Index primitive) { pieces[k].push_back(primitive); });
+      nearby.first[i + 1] = static_cast<std::int64_t>(pieces[k].size() - before);
+    }
+  });
+  std::partial_sum(nearby.first.begin(), nearby.first.end(), nearby.first.begin());
+  nearby.found.reserve(nearby.first.back());
+  for (const auto& piece : pieces) nearby.found.insert(nearby.found.end(), piece.begin(), piece.end());
+  return nearby;
+}
+
+}  // namespace
+
+template <int D>
+typename BoundaryPathFinder<D>::Nearby BoundaryPathFinder<D>::find_elements_near(
+    std::span<const std::array<Vec<D>, 2>> boxes) const {
+  return find_near(
+      state_->pose.elements(), std::ssize(boxes), [&](std::int64_t i) { return state_->box_around(boxes[i]); },
+      Nearby());
+}
+
+template <int D>
+typename BoundaryPathFinder<D>::Nearby BoundaryPathFinder<D>::find_faces_near(
+    std::span<const std::array<Vec<D>, 2>> boxes) const {
+  return find_near(
+      state_->pose.faces(), std::ssize(boxes), [&](std::int64_t i) { return state_->box_around(boxes[i]); }, Nearby());
+}
+
+template <int D>
+std::span<const Index> BoundaryPathFinder<D>::defective_elements() const {
+  return state_->pose.defective_elements();
+}
+
+template <int D>
+std::span<const std::uint8_t> BoundaryPathFinder<D>::settled_vertices() const {
+  return state_->pose.settled();
 }
 
 template class BoundaryPathFinder<2>;

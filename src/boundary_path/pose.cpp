@@ -8,15 +8,21 @@
 #include "selvage/core/parallel.h"
 #include "selvage/geometry/predicates.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <memory>
+#include <mutex>
 
 namespace selvage {
 
 namespace {
 
 constexpr std::int64_t kGrain = 4096;
+
+/// Poses for which a hierarchy over the faces is refitted at most. There are few of them, and where a body is crushed a
+/// search for a path follows several times as many segments in an old hierarchy, although its quality seems good.
+constexpr int kMostRefits = 32;
 
 template <typename Predicate>
 std::int64_t count_if_parallel(std::int64_t count, Predicate&& predicate) {
@@ -52,7 +58,7 @@ template <int D>
 bool Pose<D>::update(std::span<const Vec<D>> positions) {
   place(positions);
   examine();
-  if (faces_.quality_loss() > Bvh::kRebuildAbove) {
+  if (++face_refits_ > kMostRefits || faces_.quality_loss() > Bvh::kRebuildAbove) {
     build_faces();
     fit_faces();
   }
@@ -111,6 +117,7 @@ void Pose<D>::build_faces() {
   std::vector<Box> boxes(mesh_.boundary_face_count());
   parallel_for(std::ssize(boxes), kGrain, [&](std::int64_t b) { boxes[b] = box_of(mesh_.boundary_faces()[b]); });
   faces_ = Bvh(boxes);
+  face_refits_ = 0;
   list_leaf_nodes<D>(faces_, mesh_.boundary_faces(), topology_.is_on_boundary, face_leaves_);
   node_normals_.resize(faces_.nodes().size());
   cones_.resize(faces_.nodes().size());
@@ -147,17 +154,24 @@ void Pose<D>::examine_elements() {
   inner_rays_.resize(elements_.nodes().size());
   ray_marks_.assign(2 * mesh_.vertex_count(), 0);
   ray_counts_.assign(mesh_.vertex_count(), 0);
+  defective_.clear();
+  std::mutex listing;
   elements_.refit_from([&](BvhNode* nodes, Index first, Index last) {
     const auto doubtful = std::make_unique_for_overwrite<Index[]>(BvhNode::kWidth * (last - first));
     const ElementTask<D> task{rounded(), element_leaves_.data(), nodes, ray_marks_.data(), inner_rays_.data()};
     const ElementFindings found = SELVAGE_DISPATCH(examine_elements, task, first, last, doubtful.get());
     add_relaxed(inner_ray_count_, found.inner_rays);
-    for (Index i = 0; i < found.doubtful; ++i) examine_doubtful(doubtful[i]);
+    Index* const defective_end = std::partition(doubtful.get(), doubtful.get() + found.doubtful,
+                                                [&](Index element) { return examine_doubtful(element); });
+    if (defective_end == doubtful.get()) return;
+    const std::lock_guard lock(listing);
+    defective_.insert(defective_.end(), doubtful.get(), defective_end);
   });
+  std::sort(defective_.begin(), defective_.end());
 }
 
 template <int D>
-void Pose<D>::examine_doubtful(Index element) {
+bool Pose<D>::examine_doubtful(Index element) {
   const int sign = orientation_of(element);
   if (sign <= 0) {
     add_relaxed(sign < 0 ? defects_.inverted_elements : defects_.degenerate_elements, std::int64_t{1});
@@ -165,12 +179,13 @@ void Pose<D>::examine_doubtful(Index element) {
     for (Index across : mesh_.neighbours()[element])
       if (across < 0) inverted_owners_[~across] = 1;
   }
-  if (sign > 0 && mark_rays(element)) return;
+  if (sign > 0 && mark_rays(element)) return false;
   // What its vertices' rays pass is not known: more than one element may hold them.
   for (Index v : mesh_.elements()[element]) {
     add_ray(v, 0, 2);
     add_ray(v, 1, 2);
   }
+  return sign <= 0;
 }
 
 /// Notes what the rays of a positive element's vertices do, unless that is too close to tell.
@@ -293,10 +308,7 @@ void Pose<D>::find_overwound_boundary_ridges() {
 template <int D>
 void Pose<D>::list_defects() {
   defect_places_.clear();
-  if (defects_.inverted_elements + defects_.degenerate_elements > 0)
-    for (Index e = 0; e < mesh_.element_count(); ++e)
-      if (component_states_[topology_.component_of[e]] == ComponentState::kInverted && orientation_of(e) <= 0)
-        defect_places_.push_back({box_of(mesh_.elements()[e]), topology_.component_of[e]});
+  for (const Index e : defective_) defect_places_.push_back({box_of(mesh_.elements()[e]), topology_.component_of[e]});
   if (defects_.overwound_interior_ridges > 0) {
     const auto& fans = topology_.interior_fans;
     for (std::int64_t k = 0; k < fans.count(); ++k) {

@@ -41,6 +41,10 @@ class Pose {
   std::span<const ConeNode> cones() const { return cones_; }
 
   const PoseDefects& defects() const { return defects_; }
+  /// Inverted or flat, ascending.
+  std::span<const Index> defective_elements() const { return defective_; }
+  /// Per vertex: 1 when the elements around it, if all are positive, are proven to cover no direction twice.
+  std::span<const std::uint8_t> settled() const { return is_settled_; }
   std::span<const ComponentState> component_states() const { return component_states_; }
 
   /// Where the defects are, in the frame's boxes, and a hierarchy over them.
@@ -55,6 +59,9 @@ class Pose {
 
   int orientation_of(Index element) const { return orientation(corners_of(element)); }
 
+  /// Around a box given by its corners, as they are scaled here.
+  Box box_around(const Vec<D>& lower, const Vec<D>& upper) const { return frame_.around(lower, upper); }
+
  private:
   void place(std::span<const Vec<D>> positions);
   RoundedPositions rounded() const { return {rounded_.data(), rounding_}; }
@@ -65,7 +72,8 @@ class Pose {
 
   void examine();
   void examine_elements();
-  void examine_doubtful(Index element);
+  /// @return  whether it is inverted or flat
+  bool examine_doubtful(Index element);
   bool mark_rays(Index element);
   void add_ray(Index vertex, int backward, std::uint32_t elements);
   void count_rays();
@@ -89,6 +97,7 @@ class Pose {
   BoxFrame<D> frame_;
 
   Bvh elements_, faces_;
+  int face_refits_ = 0;
   std::vector<LeafNode<D + 1>> element_leaves_;
   std::vector<LeafNode<D>> face_leaves_;
 
@@ -103,6 +112,7 @@ class Pose {
   std::vector<ConeNode> cones_;
 
   PoseDefects defects_;
+  std::vector<Index> defective_;
   std::vector<ComponentState> component_states_;
   std::vector<Defect> defect_places_;
   Bvh defect_hierarchy_;

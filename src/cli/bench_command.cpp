@@ -25,6 +25,9 @@ namespace fs = std::filesystem;
 struct BenchOptions {
   CommonOptions common;
   std::vector<std::string> names;
+  std::int64_t frames = 0;
+  std::vector<std::string> scenes;
+  std::string scale;
   bool quick = false;
 };
 
@@ -82,6 +85,12 @@ void run_bench(BenchOptions& options) {
     std::vector<std::string> words{name};
     if (options.common.threads > 0) words.insert(words.end(), {"--threads", std::to_string(options.common.threads)});
     if (options.quick) words.emplace_back("--quick");
+    if (options.frames > 0 && name != "boundary-path")
+      words.insert(words.end(), {"--frames", std::to_string(options.frames)});
+    if (name == "simulation") {
+      for (const std::string& scene : options.scenes) words.insert(words.end(), {"--scene", scene});
+      if (!options.scale.empty()) words.insert(words.end(), {"--scale", options.scale});
+    }
     if (!json.empty()) words.insert(words.end(), {"--json", json == "-" ? json : outputs.stage(json).string()});
     const int status = run_program(*program, words, options.common.quiet && json != "-");
     if (status != 0) throw Failure(fmt::format("bench {}: ended with status {}", name, status));
@@ -93,11 +102,18 @@ void run_bench(BenchOptions& options) {
 
 Command add_bench(CLI::App& app) {
   auto options = std::make_shared<BenchOptions>();
-  CLI::App* sub =
-      add_subcommand(app, "bench", "Runs the measurements behind the figures in the docs.",
-                     "  selvage bench boundary-path --quick --threads 1 --json bench.json", options->common);
+  CLI::App* sub = add_subcommand(app, "bench", "Runs the measurements behind the figures in the docs.",
+                                 "  selvage bench boundary-path --quick --threads 1 --json bench.json\n"
+                                 "  selvage bench simulation --frames 3",
+                                 options->common);
   sub->add_option("names", options->names, "Measurements to run; without any, all")->type_name("NAME");
   sub->add_flag("--quick", options->quick, "Small meshes and few rounds, to see that it runs");
+  sub->add_option("--frames", options->frames, "Frames of each sequence or scene; without, as many as it has")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{100'000}))
+      ->type_name("N");
+  sub->add_option("--scene", options->scenes, "Of simulation only these scenes")->type_name("NAME");
+  sub->add_option("--scale", options->scale, "Of simulation: one of the sizes that scenes have, as paper")
+      ->type_name("NAME");
   return {sub, &options->common, [options] {
             run_bench(*options);
             return kDone;

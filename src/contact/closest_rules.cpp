@@ -1,6 +1,6 @@
 #include "contact/closest_rules.h"
 
-#include "contact/element_blocks.h"
+#include "selvage/bvh/traverse.h"
 #include "selvage/core/parallel.h"
 #include "selvage/geometry/closest_point.h"
 
@@ -82,11 +82,8 @@ EuclideanRule::EuclideanRule(const TetMesh& mesh, std::span<const Index> vertex_
 
 void EuclideanRule::place(std::span<const Vec3> positions) {
   std::vector<Box> boxes(mesh_.boundary_face_count());
-  parallel_for(std::ssize(boxes), kGrain, [&](std::int64_t f) {
-    Range range;
-    for (const Index v : mesh_.boundary_faces()[f]) range.add(positions[v]);
-    boxes[f] = range.box();
-  });
+  parallel_for(std::ssize(boxes), kGrain,
+               [&](std::int64_t f) { boxes[f] = bounding_box<3>(corners_of(mesh_.boundary_faces()[f], positions)); });
   if (faces_.primitive_count() == mesh_.boundary_face_count()) {
     faces_.refit(boxes);
     if (faces_.quality_loss() <= Bvh::kRebuildAbove) return;

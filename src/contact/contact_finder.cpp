@@ -8,7 +8,6 @@
 #include "mesh/position_extent.h"
 #include "selvage/core/error.h"
 #include "selvage/core/parallel.h"
-#include "selvage/geometry/predicates.h"
 
 #include <fmt/format.h>
 
@@ -45,7 +44,7 @@ PenetrationCounters& PenetrationCounters::operator+=(const PenetrationCounters& 
   features += other.features;
   searched += other.searched;
   elements_tested += other.elements_tested;
-  references_taken += other.references_taken;
+  crossings += other.crossings;
   return *this;
 }
 
@@ -54,10 +53,8 @@ struct ContactFinder::State {
   ContactOptions options;
   TriangleMesh surface;
   std::vector<Vec3> positions_t0;
-  std::vector<Index> inner_vertices;  ///< that some element has
   std::optional<PenetrationSearch> search;
-  std::optional<BoundaryPathFinder<3>> paths;  ///< both made when first needed
-  std::optional<ContinuousCollisionFinder> impacts;
+  std::optional<ContinuousCollisionFinder> impacts;  ///< made when first needed
   std::optional<RestPoseRule> rest_pose;
   std::optional<EuclideanRule> euclidean;
 
@@ -81,11 +78,10 @@ struct ContactFinder::State {
   void find_contacts(std::span<const Vec3> positions, std::vector<Contact>& contacts);
   std::vector<PenetratingPoint> find_boundary_points(std::span<const Vec3> positions);
   void append_interior_points(std::span<const Vec3> positions, std::vector<PenetratingPoint>& points) const;
-  void place_paths(std::span<const Vec3> positions);
+  void place(std::span<const Vec3> positions);
   std::vector<BoundaryPath<3>> find_ways_out(std::span<const PenetratingPoint> points, std::span<const Vec3> positions);
   void append_paths(std::span<const Vec3> positions, std::vector<Contact>& contacts);
   void append_impacts_of_step(std::span<const Vec3> positions, std::vector<Contact>& contacts);
-  bool holds_nothing(Index element, std::span<const Vec3> positions) const;
 };
 
 ContactFinder::State::State(const TetMesh& m, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
@@ -100,10 +96,8 @@ ContactFinder::State::State(const TetMesh& m, std::span<const Vec3> rest_positio
     rest_pose.emplace(mesh, rest_positions);
   }
   if (options.rule == ClosestPointRule::kEuclidean) euclidean.emplace(mesh, vertex_objects);
-  if (uses_dcd()) search.emplace(mesh, surface, options.detect_edges, positions);
-  if (options.interior_points)
-    for (Index v = 0; v < mesh.vertex_count(); ++v)
-      if (mesh.vertex_boundary_faces(v).empty() && !mesh.vertex_elements(v).empty()) inner_vertices.push_back(v);
+  if (uses_dcd())
+    search.emplace(mesh, surface, options.detect_edges, positions, PathOptions{options.cull_infeasible_regions, true});
   positions_t0.assign(positions.begin(), positions.end());
   if (search) is_inside.resize(search->feature_count());
 }
@@ -113,12 +107,12 @@ void ContactFinder::State::begin_step(std::span<const Vec3> positions) {
   statistics = {};
   positions_t0.assign(positions.begin(), positions.end());
   if (!splits()) return;
+  place(positions);
   timed(statistics.split_seconds, [&] {
     for (const Index f : inside) is_inside[f] = 0;
     inside.clear();
     inside_vertices.clear();
     inside_edges.clear();
-    search->place(positions);
     for (const Penetration& p : search->find_all(statistics.penetrations)) {
       if (is_inside[p.feature]) continue;
       is_inside[p.feature] = 1;
@@ -134,15 +128,7 @@ void ContactFinder::State::begin_step(std::span<const Vec3> positions) {
   statistics.penetrating_edges = std::ssize(inside_edges);
 }
 
-/// Inverted elements on the boundary (SPB section 3.5).
-bool ContactFinder::State::holds_nothing(Index element, std::span<const Vec3> positions) const {
-  const auto& across = mesh.neighbours()[element];
-  return std::any_of(across.begin(), across.end(), [](Index n) { return n < 0; }) &&
-         orientation(corners_of(mesh.elements()[element], positions)) < 0;
-}
-
 std::vector<PenetratingPoint> ContactFinder::State::find_boundary_points(std::span<const Vec3> positions) {
-  search->place(positions);
   const auto found =
       splits() ? search->find(inside, statistics.penetrations) : search->find_all(statistics.penetrations);
   std::vector<PenetratingPoint> points;
@@ -160,34 +146,15 @@ std::vector<PenetratingPoint> ContactFinder::State::find_boundary_points(std::sp
 /// Inner vertices and centroids, each with all elements that hold it and share no vertex with it.
 void ContactFinder::State::append_interior_points(std::span<const Vec3> positions,
                                                   std::vector<PenetratingPoint>& points) const {
-  std::vector<PenetratingPoint> candidates;
-  for (const Index v : inner_vertices) candidates.push_back(penetrating_vertex(v, 0, positions));
-  for (Index e = 0; e < mesh.element_count(); ++e)
-    candidates.push_back(penetrating_centroid(e, mesh.elements()[e], 0, positions));
-  std::vector<Vec3> places(candidates.size());
-  for (std::size_t i = 0; i < candidates.size(); ++i) places[i] = candidates[i].query.point;
-  const auto located = paths->locate(places);
-  for (std::size_t i = 0; i < candidates.size(); ++i)
-    for (std::int64_t k = located.first[i]; k < located.first[i + 1]; ++k) {
-      PenetratingPoint point = candidates[i];
-      point.query = located.queries[k];
-      const auto own = std::span(point.vertices).first(point.count);
-      const auto& holder = mesh.elements()[point.query.element];
-      const bool shares =
-          std::any_of(own.begin(), own.end(), [&](Index v) { return share_vertex(std::array{v}, holder); });
-      if (!shares && !holds_nothing(point.query.element, positions)) points.push_back(point);
-    }
+  const PenetrationSearch::Interior interior = search->find_interior();
+  for (const auto& [vertex, element] : interior.vertices)
+    points.push_back(penetrating_vertex(vertex, element, positions));
+  for (const auto& [of_element, element] : interior.centroids)
+    points.push_back(penetrating_centroid(of_element, mesh.elements()[of_element], element, positions));
 }
 
-void ContactFinder::State::place_paths(std::span<const Vec3> positions) {
-  timed(statistics.refit_seconds, [&] {
-    if (paths) {
-      paths->update(positions);
-    } else {
-      paths.emplace(mesh, positions, PathOptions{options.cull_infeasible_regions, true});
-    }
-    if (euclidean) euclidean->place(positions);
-  });
+void ContactFinder::State::place(std::span<const Vec3> positions) {
+  timed(statistics.refit_seconds, [&] { search->place(positions); });
   ++statistics.pose_updates;
 }
 
@@ -197,7 +164,7 @@ std::vector<BoundaryPath<3>> ContactFinder::State::find_ways_out(std::span<const
   for (const PenetratingPoint& point : points) queries.push_back(point.query);
   if (rest_pose) return rest_pose->find(queries, positions);
   std::vector<PathCounters> counters(queries.size());
-  std::vector<BoundaryPath<3>> found = paths->find_paths(queries, {}, counters);
+  std::vector<BoundaryPath<3>> found = search->paths().find_paths(queries, {}, counters);
   for (const PathCounters& counter : counters) statistics.paths += counter;
   if (euclidean)
     parallel_for(std::ssize(points), 64, [&](std::int64_t i) {
@@ -207,20 +174,20 @@ std::vector<BoundaryPath<3>> ContactFinder::State::find_ways_out(std::span<const
 }
 
 void ContactFinder::State::append_paths(std::span<const Vec3> positions, std::vector<Contact>& contacts) {
+  if (splits() && inside.empty()) return;
+  place(positions);
   std::vector<PenetratingPoint> points;
-  timed(statistics.dcd_seconds, [&] { points = find_boundary_points(positions); });
-  if (options.interior_points) {
-    place_paths(positions);
-    timed(statistics.dcd_seconds, [&] { append_interior_points(positions, points); });
-  } else if (!points.empty()) {
-    place_paths(positions);
-  }
+  timed(statistics.dcd_seconds, [&] {
+    points = find_boundary_points(positions);
+    if (options.interior_points) append_interior_points(positions, points);
+  });
   if (points.empty()) return;
   // Inner vertices are listed after boundary ones, and edges between: each kind in one run, by its numbers.
   std::stable_sort(points.begin(), points.end(), [](const PenetratingPoint& a, const PenetratingPoint& b) {
     return std::pair(a.kind, a.feature) < std::pair(b.kind, b.feature);
   });
   timed(statistics.path_seconds, [&] {
+    if (euclidean) euclidean->place(positions);
     const std::vector<BoundaryPath<3>> found = find_ways_out(points, positions);
     statistics.path_queries += std::ssize(points);
     std::size_t first = contacts.size();  // of those of the same point

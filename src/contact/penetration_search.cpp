@@ -1,6 +1,5 @@
 #include "contact/penetration_search.h"
 
-#include "contact/clearance.h"
 #include "contact/contact_parts.h"
 #include "contact/edge_part.h"
 #include "selvage/core/parallel.h"
@@ -8,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -16,205 +14,247 @@ namespace selvage {
 
 namespace {
 
-constexpr std::int64_t kGroupsAtOnce = 16;
-constexpr std::int64_t kFeaturesAtOnce = 64;
+constexpr std::int64_t kEdgesAtOnce = 32;
 
-/// What a pose must cost in searches that a younger reference would spare, in features of the surface, to be worth one.
-constexpr std::int64_t kPatience = 6;
+template <std::size_t N>
+std::array<Vec3, 2> extent_of(const std::array<Index, N>& vertices, std::span<const Vec3> positions) {
+  std::array<Vec3, 2> extent{positions[vertices[0]], positions[vertices[0]]};
+  for (const Index v : vertices) {
+    extent[0] = extent[0].cwiseMin(positions[v]);
+    extent[1] = extent[1].cwiseMax(positions[v]);
+  }
+  return extent;
+}
 
-/// Of the largest clearance that is looked for.
-constexpr double kLeastClearance = 0.125;
+/// Notes that something is in a list, once.
+bool add_once(std::vector<std::uint8_t>& is_listed, Index i, std::vector<Index>& list) {
+  if (std::exchange(is_listed[i], 1) != 0) return false;
+  list.push_back(i);
+  return true;
+}
 
 }  // namespace
 
 PenetrationSearch::PenetrationSearch(const TetMesh& mesh, const TriangleMesh& surface, bool with_edges,
-                                     std::span<const Vec3> positions)
+                                     std::span<const Vec3> positions, PathOptions options)
     : mesh_(mesh),
       surface_(surface),
+      with_edges_(with_edges),
       vertex_count_(static_cast<Index>(mesh.boundary_vertices().size())),
+      boundary_place_(mesh.vertex_count(), kNone),
       positions_(positions.begin(), positions.end()),
-      blocks_(mesh, positions) {
-  for (const Index v : mesh.boundary_vertices()) features_.push_back({v, v});
-  if (with_edges) features_.insert(features_.end(), surface.edges().begin(), surface.edges().end());
-  clearances_.resize(features_.size());
-  group_features();
-  take_reference();
+      paths_(mesh, positions, options),
+      collisions_(surface, positions),
+      is_suspect_(surface.triangle_count(), 0) {
+  for (Index i = 0; i < vertex_count_; ++i) boundary_place_[vertex_of(i)] = i;
+  list_surface_pieces();
 }
 
-/// By the block of an element at the feature: what is in one group is near in space, and moves alike.
-void PenetrationSearch::group_features() {
-  const auto home = [&](Index f) {
-    const Index face =
-        is_edge(f) ? surface_.edge_triangles(edge_of(f)).front() : mesh_.vertex_boundary_faces(vertex_of(f)).front();
-    return blocks_.block_of(mesh_.boundary_owners()[face].element());
-  };
-  members_first_.assign(blocks_.count() + 1, 0);
-  for (Index f = 0; f < feature_count(); ++f) ++members_first_[home(f) + 1];
-  std::partial_sum(members_first_.begin(), members_first_.end(), members_first_.begin());
-  members_.resize(features_.size());
-  std::vector<Index> next(members_first_);
-  for (Index f = 0; f < feature_count(); ++f) members_[next[home(f)]++] = f;
-}
-
-std::span<Index> PenetrationSearch::members_of(Index group) {
-  return std::span(members_).subspan(members_first_[group], members_first_[group + 1] - members_first_[group]);
-}
-
-std::span<const Index> PenetrationSearch::members_of(Index group) const {
-  return std::span(members_).subspan(members_first_[group], members_first_[group + 1] - members_first_[group]);
+void PenetrationSearch::list_surface_pieces() {
+  Flags is_reached(surface_.triangle_count(), 0);
+  std::vector<Index> reached;
+  for (Index start = 0; start < surface_.triangle_count(); ++start) {
+    if (is_reached[start] != 0) continue;
+    pieces_.push_back(start);
+    reached.clear();
+    add_once(is_reached, start, reached);
+    for (std::size_t i = 0; i < reached.size(); ++i)
+      for (const Index v : surface_.triangles()[reached[i]])
+        for (const Index face : surface_.vertex_triangles(v)) add_once(is_reached, face, reached);
+  }
 }
 
 void PenetrationSearch::place(std::span<const Vec3> positions) {
   positions_.assign(positions.begin(), positions.end());
-  if (avoidable_ > kPatience * feature_count()) {
-    take_reference();
-  } else {
-    blocks_.place(positions);
+  paths_.update(positions);
+  collisions_placed_ = false;
+}
+
+void PenetrationSearch::suspect(Index face) {
+  add_once(is_suspect_, face, suspects_);
+}
+
+void PenetrationSearch::suspect_around(Index vertex) {
+  for (const Index face : surface_.vertex_triangles(vertex)) suspect(face);
+}
+
+void PenetrationSearch::suspect_crossings(PenetrationCounters& counters) {
+  if (!collisions_placed_) collisions_.update(positions_);
+  collisions_placed_ = true;
+  const std::vector<TrianglePair> crossings = collisions_.find_pairs();
+  for (const TrianglePair& pair : crossings) {
+    suspect(pair.first);
+    suspect(pair.second);
   }
+  counters.crossings += std::ssize(crossings);
 }
 
-void PenetrationSearch::take_reference() {
-  blocks_.take_reference(positions_);
-  parallel_for(feature_count(), kFeaturesAtOnce,
-               [&](std::int64_t i) { clearances_[members_[i]] = clearance_of(members_[i]); });
-  parallel_for(blocks_.count(), 64, [&](std::int64_t b) {
-    const auto members = members_of(static_cast<Index>(b));
-    std::sort(members.begin(), members.end(),
-              [&](Index f, Index g) { return std::pair(clearances_[f], f) < std::pair(clearances_[g], g); });
-  });
-  avoidable_ = 0;
-  ++references_;
-}
-
-/// No more than half of an edge there, so that few elements need be looked at; and 0 where it is so little that the
-/// feature would soon be searched for again, whatever the reference.
-float PenetrationSearch::clearance_of(Index feature) const {
-  const auto& ends = features_[feature];
-  const auto& face = mesh_.boundary_faces()[mesh_.vertex_boundary_faces(ends[0]).front()];
-  const Index other = is_edge(feature) ? ends[1] : face[0] == ends[0] ? face[1] : face[0];
-  const double most = (positions_[other] - positions_[ends[0]]).norm() / 2;
-  if (!std::isfinite(most)) return 0;
-  double clearance = most;
-  const auto segment = corners_of(ends, positions_);
-  const Range range = range_of(feature).grown(clearance);
-  blocks_.visit_near(range, [&](Index block) {
-    if (!(clearance > kLeastClearance * most)) return;
-    blocks_.visit_elements(block, blocks_.in_reference(block, segment).grown(clearance), [&](Index element) {
-      const auto& corners = mesh_.elements()[element];
-      if (!(clearance > kLeastClearance * most) || share_vertex(ends, corners)) return;
-      const double slack = blocks_.slack(block);
-      clearance =
-          std::min(clearance, distance_bound(segment, corners_of(corners, positions_), clearance + slack) - slack);
-    });
-  });
-  return clearance > kLeastClearance * most ? round_down(clearance) : 0;
-}
-
-Range PenetrationSearch::range_of(Index feature) const {
-  Range range;
-  for (const Index v : features_[feature]) range.add(positions_[v]);
-  return range;
+/// What meets an element that is inside out, and what may lie in elements around the same vertex.
+void PenetrationSearch::suspect_defects() {
+  std::vector<Extent> defects;
+  for (const Index e : paths_.defective_elements()) defects.push_back(extent_of(mesh_.elements()[e], positions_));
+  for (const Index face : paths_.find_faces_near(defects).found) suspect(face);
+  for (const Index v : mesh_.boundary_vertices())
+    if (paths_.settled_vertices()[v] == 0) suspect_around(v);
 }
 
 std::vector<Penetration> PenetrationSearch::find_all(PenetrationCounters& counters) {
-  std::vector<Findings> pieces((blocks_.count() + kGroupsAtOnce - 1) / kGroupsAtOnce);
-  parallel_for(std::ssize(pieces), 1, [&](std::int64_t k) {
-    const std::int64_t last = std::min<std::int64_t>((k + 1) * kGroupsAtOnce, blocks_.count());
-    Scratch scratch;
-    for (std::int64_t group = k * kGroupsAtOnce; group < last; ++group)
-      search_group(static_cast<Index>(group), scratch, pieces[k]);
-  });
-  for (const Findings& findings : pieces) avoidable_ += findings.avoidable;
+  for (const Index face : suspects_) is_suspect_[face] = 0;
+  suspects_.clear();
+  for (const Index face : pieces_) suspect(face);
+  suspect_crossings(counters);
+  suspect_defects();
+
+  Flags is_asked(mesh_.vertex_count(), 0), is_edge_asked(with_edges_ ? surface_.edge_count() : 0, 0);
+  std::vector<Index> edges;
+  std::vector<Penetration> found;
+  // Faces around a vertex that is inside are suspects of the next round.
+  for (std::size_t first = 0; first < suspects_.size();) {
+    std::vector<Index> vertices;
+    for (; first < suspects_.size(); ++first) {
+      for (const Index v : surface_.triangles()[suspects_[first]]) add_once(is_asked, v, vertices);
+      if (with_edges_)
+        for (const Index e : surface_.triangle_edges()[suspects_[first]]) add_once(is_edge_asked, e, edges);
+    }
+    const auto inside = find_vertices(vertices);
+    for (const PointInside& p : inside) suspect_around(p.point);
+    append_vertices(inside, found);
+    counters.searched += std::ssize(vertices);
+  }
+  const auto on_edges = find_edges(edges, counters);
+  counters.searched += std::ssize(edges);
   counters.features += feature_count();
-  counters.references_taken += std::exchange(references_, 0);
-  return merge(pieces, counters);
+  const auto key = [](const Penetration& p) { return std::pair(p.feature, p.element); };
+  std::sort(found.begin(), found.end(), [&](const auto& a, const auto& b) { return key(a) < key(b); });
+  found.insert(found.end(), on_edges.begin(), on_edges.end());
+  return found;
 }
 
 std::vector<Penetration> PenetrationSearch::find(std::span<const Index> features, PenetrationCounters& counters) const {
-  std::vector<Findings> pieces((features.size() + kFeaturesAtOnce - 1) / kFeaturesAtOnce);
-  parallel_for(std::ssize(pieces), 1, [&](std::int64_t k) {
-    const std::size_t last = std::min<std::size_t>((k + 1) * kFeaturesAtOnce, features.size());
-    for (std::size_t i = k * kFeaturesAtOnce; i < last; ++i) search_near(features[i], pieces[k]);
-  });
+  std::vector<Index> vertices, edges;
+  for (const Index f : features)
+    if (is_edge(f)) {
+      edges.push_back(edge_of(f));
+    } else {
+      vertices.push_back(vertex_of(f));
+    }
+  std::vector<Penetration> found;
+  append_vertices(find_vertices(vertices), found);
+  const auto on_edges = find_edges(edges, counters);
+  found.insert(found.end(), on_edges.begin(), on_edges.end());
   counters.features += std::ssize(features);
-  return merge(pieces, counters);
+  counters.searched += std::ssize(features);
+  return found;
 }
 
-/// All features of a group are on the group's block, and move as that does: those whose clearance is more than that
-/// differs from another block need not be looked at. Of the others, eight at a time, those that are near the block.
-void PenetrationSearch::search_group(Index group, Scratch& scratch, Findings& findings) const {
-  const auto members = members_of(group);
-  if (members.empty()) return;
-  scratch.near.clear();
-  blocks_.visit_near(blocks_.extent(group), [&](Index block) {
-    scratch.near.push_back({block, count_below(members, blocks_.difference_bound(group, block))});
-  });
-  Index most = 0;
-  for (const auto& [block, count] : scratch.near) most = std::max(most, count);
-  scratch.boxes.resize((most + 7) / 8);
-  for (Index i = 0; i < most; ++i) scratch.boxes[i / 8].set(i % 8, range_of(members[i]).box());
-  for (const auto& [block, count] : scratch.near) {
-    const traversal::WideBox extent(blocks_.extent(block).box());
-    for (Index first = 0; first < count; first += 8)
-      for (unsigned rest = scratch.boxes[first / 8].meeting(0, extent); rest != 0; rest &= rest - 1)
-        if (const Index i = first + lowest_lane(rest); i < count) search_block(members[i], block, findings);
-  }
+void PenetrationSearch::append_vertices(std::span<const PointInside> inside, std::vector<Penetration>& found) const {
+  for (const auto& [vertex, element] : inside)
+    if (!holds_nothing(element)) found.push_back({boundary_place_[vertex], element});
 }
 
-/// How many of a group's features, which are sorted, are not certainly clear of what has moved differently by a bound.
-Index PenetrationSearch::count_below(std::span<const Index> members, double bound) const {
-  const auto place =
-      std::partition_point(members.begin(), members.end(), [&](Index f) { return !(bound < clearances_[f]); });
-  return static_cast<Index>(place - members.begin());
-}
-
-void PenetrationSearch::search_near(Index feature, Findings& findings) const {
-  blocks_.visit_near(range_of(feature), [&](Index block) { search_block(feature, block, findings); });
-}
-
-void PenetrationSearch::search_block(Index feature, Index block, Findings& findings) const {
-  const float clearance = clearances_[feature];
-  if (clearance > 0 && blocks_.difference_bound(features_[feature], positions_, block) < clearance) return;
-  ++findings.counters.searched;
-  findings.avoidable += clearance > 0;
-  blocks_.visit_elements(block, blocks_.in_reference(block, corners_of(features_[feature], positions_)),
-                         [&](Index element) {
-                           if (!share_vertex(features_[feature], mesh_.elements()[element]))
-                             test(feature, element, findings);
-                         });
-}
-
-void PenetrationSearch::test(Index feature, Index element, Findings& findings) const {
-  ++findings.counters.elements_tested;
-  const auto corners = corners_of(mesh_.elements()[element], positions_);
-  double middle = 0;
-  if (is_edge(feature)) {
-    const auto found = middle_of_part(corners_of(features_[feature], positions_), corners);
-    if (!found) return;
-    middle = *found;
-  } else if (!locate_in_simplex<3>(corners, positions_[vertex_of(feature)]).inside) {
-    return;
-  }
+bool PenetrationSearch::holds_nothing(Index element) const {
   const auto& across = mesh_.neighbours()[element];
-  const bool on_boundary = std::any_of(across.begin(), across.end(), [](Index n) { return n < 0; });
-  if (on_boundary && orientation(corners) < 0) return;
-  findings.found.push_back({feature, element, middle});
+  return std::any_of(across.begin(), across.end(), [](Index n) { return n < 0; }) &&
+         orientation(corners_of(mesh_.elements()[element], positions_)) < 0;
 }
 
-/// In order, and of an edge only the part closest to its middle; of equally close ones the first.
-std::vector<Penetration> PenetrationSearch::merge(std::vector<Findings>& pieces, PenetrationCounters& counters) const {
-  std::vector<Penetration> all;
-  for (const Findings& findings : pieces) {
-    counters += findings.counters;
-    all.insert(all.end(), findings.found.begin(), findings.found.end());
-  }
-  const auto key = [&](const Penetration& p) { return std::tuple(p.feature, std::abs(p.middle - 0.5), p.element); };
-  std::sort(all.begin(), all.end(), [&](const Penetration& a, const Penetration& b) { return key(a) < key(b); });
-  const auto same_edge = [&](const Penetration& a, const Penetration& b) {
-    return a.feature == b.feature && is_edge(a.feature);
+/// Vertices with each element that holds them and is not their own.
+std::vector<PointInside> PenetrationSearch::find_vertices(std::span<const Index> vertices) const {
+  std::vector<Vec3> places;
+  for (const Index v : vertices) places.push_back(positions_[v]);
+  const auto located = paths_.locate(places);
+  std::vector<PointInside> inside;
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    for (std::int64_t k = located.first[i]; k < located.first[i + 1]; ++k)
+      if (const Index element = located.queries[k].element;
+          !share_vertex(std::array{vertices[i]}, mesh_.elements()[element]))
+        inside.push_back({vertices[i], element});
+  return inside;
+}
+
+/// In order, each with the part closest to its middle; of equally close ones the first.
+std::vector<Penetration> PenetrationSearch::find_edges(std::span<const Index> edges,
+                                                       PenetrationCounters& counters) const {
+  std::vector<Extent> extents;
+  for (const Index e : edges) extents.push_back(extent_of(surface_.edges()[e], positions_));
+  const auto near = paths_.find_elements_near(extents);
+  std::vector<Penetration> best(edges.size(), {kNone, kNone});
+  std::vector<std::int64_t> tested(edges.size(), 0);
+  const auto key = [](const Penetration& p) { return std::tuple(std::abs(p.middle - 0.5), p.element); };
+  parallel_for(std::ssize(edges), kEdgesAtOnce, [&](std::int64_t i) {
+    const auto& ends = surface_.edges()[edges[i]];
+    for (std::int64_t k = near.first[i]; k < near.first[i + 1]; ++k) {
+      const Index element = near.found[k];
+      if (share_vertex(ends, mesh_.elements()[element])) continue;
+      ++tested[i];
+      const auto middle =
+          middle_of_part(corners_of(ends, positions_), corners_of(mesh_.elements()[element], positions_));
+      if (!middle || holds_nothing(element)) continue;
+      const Penetration found{vertex_count_ + edges[i], element, *middle};
+      if (best[i].feature == kNone || key(found) < key(best[i])) best[i] = found;
+    }
+  });
+  for (const std::int64_t count : tested) counters.elements_tested += count;
+  std::erase_if(best, [](const Penetration& p) { return p.feature == kNone; });
+  std::sort(best.begin(), best.end(), [](const auto& a, const auto& b) { return a.feature < b.feature; });
+  return best;
+}
+
+/// Elements that may meet the boundary inside, or a defect, or that lie at an inner vertex that is not settled.
+std::vector<Index> PenetrationSearch::suspected_elements() const {
+  std::vector<Extent> extents;
+  for (const Index face : suspects_) extents.push_back(extent_of(surface_.triangles()[face], positions_));
+  for (const Index e : paths_.defective_elements()) extents.push_back(extent_of(mesh_.elements()[e], positions_));
+  Flags is_listed(mesh_.element_count(), 0);
+  std::vector<Index> elements;
+  for (const Index e : paths_.find_elements_near(extents).found) add_once(is_listed, e, elements);
+  for (Index v = 0; v < mesh_.vertex_count(); ++v)
+    if (paths_.settled_vertices()[v] == 0)
+      for (const Index e : mesh_.vertex_elements(v)) add_once(is_listed, e, elements);
+  return elements;
+}
+
+PenetrationSearch::Interior PenetrationSearch::find_interior() const {
+  Interior interior;
+  std::vector<Index> elements = suspected_elements(), vertices;
+  Flags is_listed(mesh_.element_count(), 0), is_asked(mesh_.vertex_count(), 0);
+  for (const Index e : elements) is_listed[e] = 1;
+  const auto ask = [&](Index element) {
+    for (const Index v : mesh_.elements()[element])
+      if (boundary_place_[v] == kNone) add_once(is_asked, v, vertices);
   };
-  all.erase(std::unique(all.begin(), all.end(), same_edge), all.end());
-  return all;
+  for (const Index e : elements) ask(e);
+  while (!vertices.empty()) {
+    const auto inside = find_vertices(std::exchange(vertices, {}));
+    for (const PointInside& p : inside)
+      for (const Index e : mesh_.vertex_elements(p.point)) {
+        add_once(is_listed, e, elements);
+        ask(e);
+      }
+    interior.vertices.insert(interior.vertices.end(), inside.begin(), inside.end());
+  }
+  interior.centroids = find_centroids(elements);
+  for (auto* points : {&interior.vertices, &interior.centroids}) {
+    std::erase_if(*points, [&](const PointInside& p) { return holds_nothing(p.element); });
+    std::sort(points->begin(), points->end(), [](const PointInside& a, const PointInside& b) {
+      return std::pair(a.point, a.element) < std::pair(b.point, b.element);
+    });
+  }
+  return interior;
+}
+
+std::vector<PointInside> PenetrationSearch::find_centroids(std::span<const Index> elements) const {
+  std::vector<Vec3> places;
+  for (const Index e : elements)
+    places.push_back(penetrating_centroid(e, mesh_.elements()[e], e, positions_).query.point);
+  const auto located = paths_.locate(places);
+  std::vector<PointInside> inside;
+  for (std::size_t i = 0; i < elements.size(); ++i)
+    for (std::int64_t k = located.first[i]; k < located.first[i + 1]; ++k)
+      if (const Index holder = located.queries[k].element;
+          !share_vertex(mesh_.elements()[elements[i]], mesh_.elements()[holder]))
+        inside.push_back({elements[i], holder});
+  return inside;
 }
 
 }  // namespace selvage

@@ -1,9 +1,8 @@
 #pragma once
 
-#include "contact/element_blocks.h"
-#include "selvage/bvh/overlap.h"
+#include "selvage/boundary_path/boundary_path.h"
 #include "selvage/contact/contact_finder.h"
-#include "selvage/mesh/triangle_mesh.h"
+#include "selvage/self_collision/self_collision.h"
 
 namespace selvage {
 
@@ -14,30 +13,36 @@ struct Penetration {
   double middle = 0;  ///< of an edge: see middle_of_part()
 };
 
-/// Which boundary vertices and edges have a part inside an element that shares no vertex with them.
+/// A point of the material, by the number of what it belongs to, and an element that holds it.
+struct PointInside {
+  Index point;
+  Index element;
+};
+
+/// What of a mesh has a part inside an element that shares no vertex with it.
 ///
-/// Features are numbered: first boundary vertices in their order, then edges of the surface.
+/// Boundary features are numbered: first boundary vertices in their order, then edges of the surface.
 ///
-/// Not every pose is searched. In a reference pose each feature learns a lower bound of its distance to all those
-/// elements: its clearance. While every vertex of the feature has moved differently from every vertex of an element by
-/// less than that, the two cannot have met: a point of the one and a point of the other have moved as weighted means of
-/// their vertices, so by no more differently. What two blocks of vertices have moved differently, as seen from where
-/// one of them was, is a question of two affine maps and what these leave over; that is all that most features ever
-/// need. The others are searched for among the elements of a block that may be there. It holds for any motion, of
-/// inverted elements too. See docs/contact.md.
+/// Only what lies near a crossing of the boundary with itself is looked at. Walk along an edge that is in another place
+/// of the material, too, and follow that place: either it comes to the boundary, which the edge then crosses, or the
+/// edge's end is inside as well. So starting from the faces that meet others, and going on from each vertex that is
+/// found inside to the faces around it, everything is reached, but for what lies at elements that are inside out, or at
+/// vertices whose elements may overlap each other: there all is looked at. See docs/contact.md.
 class PenetrationSearch {
  public:
   /// @param with_edges  whether edges are features, too
-  PenetrationSearch(const TetMesh& mesh, const TriangleMesh& surface, bool with_edges, std::span<const Vec3> positions);
+  PenetrationSearch(const TetMesh& mesh, const TriangleMesh& surface, bool with_edges, std::span<const Vec3> positions,
+                    PathOptions options = {});
 
-  Index feature_count() const { return static_cast<Index>(features_.size()); }
+  Index feature_count() const { return vertex_count_ + (with_edges_ ? surface_.edge_count() : 0); }
   bool is_edge(Index feature) const { return feature >= vertex_count_; }
   /// Number of a feature among boundary vertices' or among edges' own.
-  Index vertex_of(Index feature) const { return features_[feature][0]; }
+  Index vertex_of(Index feature) const { return mesh_.boundary_vertices()[feature]; }
   Index edge_of(Index feature) const { return feature - vertex_count_; }
 
-  /// Takes a new pose, and it alone for reference where the last one has become too old.
+  /// Takes a new pose. O(n), parallel.
   void place(std::span<const Vec3> positions);
+  const BoundaryPathFinder<3>& paths() const { return paths_; }
 
   /// Every vertex with each element that holds it, every edge with the one of them whose part has its middle closest to
   /// that of the edge; ascending. Elements on the boundary that are inverted hold nothing (SPB section 3.5).
@@ -46,42 +51,41 @@ class PenetrationSearch {
   /// The same for features in ascending order.
   std::vector<Penetration> find(std::span<const Index> features, PenetrationCounters& counters) const;
 
+  /// Inner vertices, and elements by their centroids, with each element that holds them and shares no vertex with them;
+  /// ascending. To be called after find_all() in the same pose.
+  struct Interior {
+    std::vector<PointInside> vertices, centroids;
+  };
+  Interior find_interior() const;
+
  private:
-  struct Findings {
-    std::vector<Penetration> found;
-    PenetrationCounters counters;
-    std::int64_t avoidable = 0;  ///< searches that a younger reference might have spared
-  };
+  using Flags = std::vector<std::uint8_t>;
+  using Extent = std::array<Vec3, 2>;
 
-  /// Of a group: blocks near it, how many of its features are of interest to each, and boxes of these.
-  struct Scratch {
-    std::vector<IndexPair> near;
-    std::vector<Boxes<8>> boxes;
-  };
-
-  void group_features();
-  void take_reference();
-  float clearance_of(Index feature) const;
-  Range range_of(Index feature) const;
-  std::span<Index> members_of(Index group);
-  std::span<const Index> members_of(Index group) const;
-  void search_group(Index group, Scratch& scratch, Findings& findings) const;
-  Index count_below(std::span<const Index> members, double bound) const;
-  void search_near(Index feature, Findings& findings) const;
-  void search_block(Index feature, Index block, Findings& findings) const;
-  void test(Index feature, Index element, Findings& findings) const;
-  std::vector<Penetration> merge(std::vector<Findings>& pieces, PenetrationCounters& counters) const;
+  void list_surface_pieces();
+  void suspect_crossings(PenetrationCounters& counters);
+  void suspect_defects();
+  void suspect_around(Index vertex);
+  void suspect(Index face);
+  std::vector<Index> suspected_elements() const;
+  bool holds_nothing(Index element) const;
+  std::vector<PointInside> find_vertices(std::span<const Index> vertices) const;
+  std::vector<PointInside> find_centroids(std::span<const Index> elements) const;
+  std::vector<Penetration> find_edges(std::span<const Index> edges, PenetrationCounters& counters) const;
+  void append_vertices(std::span<const PointInside> inside, std::vector<Penetration>& found) const;
 
   const TetMesh& mesh_;
   const TriangleMesh& surface_;
-  Index vertex_count_ = 0;
-  std::vector<VertexTuple<2>> features_;        ///< vertices; of a vertex twice the same
-  std::vector<Index> members_, members_first_;  ///< features by the block they are on, and there by clearance
+  bool with_edges_;
+  Index vertex_count_ = 0;             ///< on the boundary
+  std::vector<Index> boundary_place_;  ///< per vertex, among those on the boundary
+  std::vector<Index> pieces_;          ///< a face of each connected piece of the surface
   std::vector<Vec3> positions_;
-  ElementBlocks blocks_;
-  std::vector<float> clearances_;
-  std::int64_t avoidable_ = 0;
-  std::int64_t references_ = 0;  ///< not counted yet
+  BoundaryPathFinder<3> paths_;
+  SelfCollisionFinder collisions_;
+  bool collisions_placed_ = true;
+  Flags is_suspect_;             ///< per face
+  std::vector<Index> suspects_;  ///< those faces
 };
 
 }  // namespace selvage

@@ -87,9 +87,10 @@ struct Count {
 struct MovingObstacle {
   const Obstacle& obstacle;
   RigidTransform from, to;
+  bool is_still = obstacle.motion.keyframes.empty();
 
   bool push_out(const Vec3& start, Grip& grip, VertexRow& vertex) const {
-    const Vec3 p = to.invert(position(vertex));
+    const Vec3 p = is_still ? Vec3(position(vertex)) : to.invert(position(vertex));
     const std::optional<Hit> hit = obstacle.find_hit(p);
     if (!hit) return false;
     const Vec3 outside = p + hit->depth * hit->normal;

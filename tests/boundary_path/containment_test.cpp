@@ -4,6 +4,7 @@
 #include "boundary_path/compare.h"
 #include "boundary_path/group_order.h"
 #include "selvage/core/isa.h"
+#include "selvage/geometry/predicates.h"
 #include "test_scale.h"
 
 #include <gtest/gtest.h>
@@ -104,6 +105,78 @@ void find_vertices_after_refit(std::size_t number) {
   }
 }
 
+template <int D, std::size_t N>
+std::array<Vec<D>, 2> extent_of(const std::array<Index, N>& vertices, std::span<const Vec<D>> x) {
+  std::array<Vec<D>, 2> extent{x[vertices[0]], x[vertices[0]]};
+  for (const Index v : vertices) extent = {extent[0].cwiseMin(x[v]), extent[1].cwiseMax(x[v])};
+  return extent;
+}
+
+// Some may be found that are only near, but none may be missed, nor be found twice.
+template <int D, typename Simplices>
+void expect_all_that_meet(const typename BoundaryPathFinder<D>::Nearby& near,
+                          const std::vector<std::array<Vec<D>, 2>>& boxes, const Simplices& simplices,
+                          std::span<const Vec<D>> x) {
+  ASSERT_EQ(near.first.size(), boxes.size() + 1);
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    std::vector<Index> found(near.found.begin() + near.first[i], near.found.begin() + near.first[i + 1]);
+    std::sort(found.begin(), found.end());
+    EXPECT_EQ(std::adjacent_find(found.begin(), found.end()), found.end());
+    for (std::size_t k = 0; k < simplices.size(); ++k) {
+      const auto [lower, upper] = extent_of<D>(simplices[k], x);
+      if ((lower.array() <= boxes[i][1].array()).all() && (boxes[i][0].array() <= upper.array()).all())
+        EXPECT_TRUE(std::binary_search(found.begin(), found.end(), static_cast<Index>(k))) << i << ' ' << k;
+    }
+  }
+}
+
+template <int D>
+void find_what_is_near(std::size_t number) {
+  const families::Subject<D> subject(families::all_families<D>()[number]);
+  const std::span<const Vec<D>> x = subject.judge.positions();
+  const BoundaryPathFinder<D> finder(subject.mesh, x);
+  std::vector<std::array<Vec<D>, 2>> boxes;
+  for (const auto& face : subject.mesh.boundary_faces()) boxes.push_back(extent_of<D>(face, x));
+  for (Index v = 0; v < subject.mesh.vertex_count(); ++v) boxes.push_back({x[v], x[v]});
+  expect_all_that_meet<D>(finder.find_elements_near(boxes), boxes, subject.mesh.elements(), x);
+  expect_all_that_meet<D>(finder.find_faces_near(boxes), boxes, subject.mesh.boundary_faces(), x);
+}
+
+// Points near a vertex, inside one of its elements, are in none of its others.
+template <int D>
+void settled_vertices_are_covered_once(std::size_t number) {
+  const families::Subject<D> subject(families::all_families<D>()[number]);
+  const std::span<const Vec<D>> x = subject.judge.positions();
+  const BoundaryPathFinder<D> finder(subject.mesh, x);
+  const auto corners = [&](Index e) {
+    std::array<Vec<D>, D + 1> result;
+    for (int k = 0; k <= D; ++k) result[k] = x[subject.mesh.elements()[e][k]];
+    return result;
+  };
+  std::vector<Index> defective;
+  for (Index e = 0; e < subject.mesh.element_count(); ++e)
+    if (orientation(corners(e)) <= 0) defective.push_back(e);
+  EXPECT_TRUE(std::ranges::equal(finder.defective_elements(), defective));
+
+  families::Random random(200 + number);
+  for (Index v = 0; v < subject.mesh.vertex_count(); ++v) {
+    const auto around = subject.mesh.vertex_elements(v);
+    if (finder.settled_vertices()[v] == 0 || std::ranges::find_first_of(around, defective) != around.end()) continue;
+    for (const Index e : around) {
+      Vec<D> p = Vec<D>::Zero();
+      double sum = 0;
+      for (const Vec<D>& corner : corners(e)) {
+        const double weight = static_cast<double>(1 + random.below(100));
+        p += weight * corner;
+        sum += weight;
+      }
+      p = x[v] + (p / sum - x[v]) / 64;
+      for (const Index other : around)
+        if (other != e && subject.judge.holds(e, p)) EXPECT_FALSE(subject.judge.holds(other, p)) << v;
+    }
+  }
+}
+
 using Found = std::vector<std::pair<Index, Index>>;
 
 template <int D>
@@ -163,6 +236,18 @@ TEST_P(PlanarContainment, OfVerticesAfterARefit) {
 }
 TEST_P(SolidContainment, OfVerticesAfterARefit) {
   find_vertices_after_refit<3>(GetParam());
+}
+TEST_P(PlanarContainment, OfBoxesMissesNothingThatMeetsThem) {
+  find_what_is_near<2>(GetParam());
+}
+TEST_P(SolidContainment, OfBoxesMissesNothingThatMeetsThem) {
+  find_what_is_near<3>(GetParam());
+}
+TEST_P(PlanarContainment, OfDirectionsIsSingleAtSettledVertices) {
+  settled_vertices_are_covered_once<2>(GetParam());
+}
+TEST_P(SolidContainment, OfDirectionsIsSingleAtSettledVertices) {
+  settled_vertices_are_covered_once<3>(GetParam());
 }
 TEST_P(PlanarContainment, IsThatOfAllPairsForEveryInstructionSet) {
   compare_kernels<2>(GetParam());

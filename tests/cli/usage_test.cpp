@@ -82,6 +82,8 @@ TEST_F(UsageTest, BenchPassesItsOptionsToTheProgramBesideIt) {
   fs::permissions(file("selvage_bench"), fs::perms::owner_all);
   const Outcome passed = run("--version > /dev/null; ./selvage bench boundary-path --quick --threads 3");
   EXPECT_EQ(passed.out, "boundary-path --threads 3 --quick\n") << passed.err;
+  const Outcome scenes = run("--version > /dev/null; ./selvage bench simulation --frames 3 --scene two_balls");
+  EXPECT_EQ(scenes.out, "simulation --frames 3 --scene two_balls\n") << scenes.err;
   const Outcome quiet = run("--version > /dev/null; ./selvage bench --quiet");
   EXPECT_EQ(quiet.status, 0);
   EXPECT_EQ(quiet.out, "");

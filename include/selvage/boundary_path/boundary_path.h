@@ -117,6 +117,23 @@ class BoundaryPathFinder {
   };
   Located locate(std::span<const Vec<D>> points) const;
 
+  /// Elements, or boundary faces, that a box may meet: all that do and a few that lie near it, in a fixed order;
+  /// `first` has n_boxes + 1 entries and gives each box's share. Boxes are given by their lower and upper corner.
+  /// Parallel.
+  struct Nearby {
+    std::vector<Index> found;
+    std::vector<std::int64_t> first;
+  };
+  Nearby find_elements_near(std::span<const std::array<Vec<D>, 2>> boxes) const;
+  Nearby find_faces_near(std::span<const std::array<Vec<D>, 2>> boxes) const;
+
+  /// Elements of the current pose that are inverted or flat, ascending.
+  std::span<const Index> defective_elements() const;
+
+  /// (n_vertices) 1 where the elements around the vertex are proven to overlap nowhere but at common points, provided
+  /// that none of them is defective; 0 elsewhere.
+  std::span<const std::uint8_t> settled_vertices() const;
+
  private:
   struct State;
   std::unique_ptr<State> state_;

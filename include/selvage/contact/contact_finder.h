@@ -10,10 +10,10 @@ namespace selvage {
 
 /// What the search for penetrating vertices and edges did. The same for any number of threads.
 struct PenetrationCounters {
-  std::int64_t features = 0;          ///< boundary vertices and edges asked about
-  std::int64_t searched = 0;          ///< those that were not cleared by a bound of the motion, and searched for
-  std::int64_t elements_tested = 0;   ///< elements compared with them exactly
-  std::int64_t references_taken = 0;  ///< times that every element was looked at anew
+  std::int64_t features = 0;         ///< boundary vertices and edges asked about
+  std::int64_t searched = 0;         ///< those near a crossing of the boundary with itself, which were looked for
+  std::int64_t elements_tested = 0;  ///< elements compared with an edge
+  std::int64_t crossings = 0;        ///< pairs of boundary faces that meet
 
   PenetrationCounters& operator+=(const PenetrationCounters& other);
 };
@@ -29,15 +29,14 @@ struct ContactStatistics {
 
   std::int64_t path_queries = 0;   ///< pairs of a point and an element that were asked for a way out
   std::int64_t blocked_paths = 0;  ///< those without one
-  std::int64_t pose_updates =
-      0;  ///< refits of the hierarchies over all elements and faces: none where no path is asked
+  std::int64_t pose_updates = 0;   ///< refits of the hierarchies over all elements and faces
   PathCounters paths;
   PenetrationCounters penetrations;
   ContinuousCounters continuous;
 
   double split_seconds = 0;  ///< DCD at the start of the step
   double dcd_seconds = 0;    ///< DCD at its end
-  double refit_seconds = 0;  ///< pose updates for shortest paths
+  double refit_seconds = 0;  ///< pose updates
   double path_seconds = 0;   ///< shortest paths
   double ccd_seconds = 0;    ///< CCD with times of impact
 };

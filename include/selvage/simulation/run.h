@@ -29,8 +29,8 @@ struct FrameStatistics {
   // What it cost. Not part of the answer: a run that was continued has other hierarchies than one that never stopped,
   // and visits other nodes.
   std::int64_t volumes = 0, traversals = 0, path_elements = 0;  ///< of shortest paths (SPB table 1)
-  // Time spent [s]: material solve; projections and friction; DCD at the start and end of steps; shortest paths with
-  // the refits that they need; CCD; all steps; steps and measurement.
+  // Time spent [s]: material solve; projections and friction; DCD at the start and end of steps with the refits that it
+  // needs; shortest paths; CCD; all steps; steps and measurement.
   double seconds_material = 0, seconds_projection = 0, seconds_dcd = 0, seconds_paths = 0, seconds_ccd = 0;
   double seconds_steps = 0, seconds_frame = 0;
 };

@@ -1,0 +1,65 @@
+#pragma once
+
+#include "kernels/arithmetic.h"
+#include "selvage/core/parallel.h"
+#include "simulation/material_blocks.h"
+
+#include <chrono>
+#include <thread>
+
+namespace selvage::bench {
+
+/// Arithmetic on doubles in the kernel for one Neo-Hookean element, as written: additions, subtractions,
+/// multiplications; a square root and two divisions besides.
+inline constexpr double kOperationsPerElement = 346;
+
+/// What an iteration over Neo-Hookean elements moves at least: batches are read, their multipliers written; vertices
+/// read and written once. [bytes]
+inline double material_bytes(double elements, double vertices) {
+  return elements * (sizeof(ElementBatch) + 2 * 8 * kBatch) / kBatch + 2 * vertices * sizeof(VertexRow);
+}
+
+/// Best of three, in seconds.
+template <typename Body>
+double best_seconds(Body&& body) {
+  double best = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    body();
+    best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  }
+  return best;
+}
+
+/// What this machine does at most on some threads, measured: doubles multiplied and added in registers, and bytes read
+/// and written in passes over 256 MiB.
+struct MachineLimit {
+  double operations_per_second = 0;
+  double bytes_per_second = 0;
+
+  static MachineLimit measure(int threads) {
+    MachineLimit limit;
+    std::vector<std::int64_t> operations(threads);
+    std::vector<double> sinks(threads), numbers(std::size_t{1} << 25, 1.0);
+    const double seconds = best_seconds([&] {
+      parallel_for(threads, 1,
+                   [&](std::int64_t t) { operations[t] = SELVAGE_DISPATCH(run_arithmetic, 4'000'000, sinks[t]); });
+    });
+    limit.operations_per_second = static_cast<double>(operations[0]) * threads / seconds;
+    limit.bytes_per_second =
+        16 * static_cast<double>(numbers.size()) / best_seconds([&] {
+          parallel_ranges(std::ssize(numbers), 1 << 16, [&](std::int64_t first, std::int64_t last) {
+            for (std::int64_t i = first; i < last; ++i) numbers[i] *= 1.0000001;
+          });
+        });
+    return limit;
+  }
+
+  /// What an iteration takes at least: of arithmetic or of memory, whichever is more.
+  double seconds(double elements, double vertices) const {
+    return std::max(elements * kOperationsPerElement / operations_per_second,
+                    material_bytes(elements, vertices) / bytes_per_second);
+  }
+};
+
+}  // namespace selvage::bench
