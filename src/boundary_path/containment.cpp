@@ -76,7 +76,6 @@ std::vector<PointInElement> ContainmentSearch<D>::find_boundary_vertices() const
 
 template <int D>
 std::vector<PointInElement> ContainmentSearch<D>::find_points(std::span<const Vec<D>> points) const {
-  constexpr std::int64_t kGrain = 4096;
   std::vector<RoundedPosition> rounded(points.size());
   parallel_for(std::ssize(points), kGrain, [&](std::int64_t k) {
     rounded[k] = {};

@@ -81,10 +81,10 @@ Offset<D> offset_to(int count, const IntVec<D>* v) {
 }
 
 /// Normal of a face such that orientation(face, x) = normal . (x - face[0]).
-IntVec<3> face_normal(const std::array<IntVec<3>, 3>& f) {
+IntVec<3> integer_normal(const std::array<IntVec<3>, 3>& f) {
   return cross(minus<3>(f[1], f[0]), minus<3>(f[2], f[0]));
 }
-IntVec<2> face_normal(const std::array<IntVec<2>, 2>& f) {
+IntVec<2> integer_normal(const std::array<IntVec<2>, 2>& f) {
   const IntVec<2> e = minus<2>(f[1], f[0]);
   return {-e[1], e[0]};
 }
@@ -113,7 +113,7 @@ struct SegmentAndFace {
     const auto relative = relative_integers<D>(p, all);
     offset = offset_to<D>(target.count, relative.data());
     for (int i = 0; i < D; ++i) face[i] = relative[D + i];
-    normal = face_normal(face);
+    normal = integer_normal(face);
     height = dot<D>(normal, face[0]);
     slope = dot<D>(normal, offset.numerator);
   }

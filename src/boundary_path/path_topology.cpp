@@ -201,7 +201,7 @@ bool is_odd(const VertexTuple<3>& a, const VertexTuple<3>& b) {
 template <int D>
 bool has_one_orientation(const SimplexMesh<D>& mesh) {
   std::atomic<bool> good = true;
-  parallel_for(mesh.element_count(), 4096, [&](std::int64_t e) {
+  parallel_for(mesh.element_count(), kGrain, [&](std::int64_t e) {
     for (int i = 0; i <= D; ++i) {
       const HalfFace across{mesh.neighbours()[e][i]};
       if (across.exists() &&
@@ -215,7 +215,7 @@ bool has_one_orientation(const SimplexMesh<D>& mesh) {
 template <int D>
 std::vector<PathElement<D>> list_elements(const SimplexMesh<D>& mesh) {
   std::vector<PathElement<D>> elements(mesh.element_count());
-  parallel_for(std::ssize(elements), 4096, [&](std::int64_t e) {
+  parallel_for(std::ssize(elements), kGrain, [&](std::int64_t e) {
     elements[e] = {mesh.elements()[e], mesh.neighbours()[e]};
   });
   return elements;
@@ -224,7 +224,7 @@ std::vector<PathElement<D>> list_elements(const SimplexMesh<D>& mesh) {
 template <int D>
 std::vector<FaceStar<D>> list_face_stars(const SimplexMesh<D>& mesh, std::span<const Index> component_of) {
   std::vector<FaceStar<D>> stars(mesh.boundary_face_count());
-  parallel_for(std::ssize(stars), 4096, [&](std::int64_t b) {
+  parallel_for(std::ssize(stars), kGrain, [&](std::int64_t b) {
     FaceStar<D>& star = stars[b];
     star.vertices = mesh.boundary_faces()[b];
     star.component = component_of[mesh.boundary_owners()[b].element()];

@@ -18,8 +18,6 @@ namespace selvage {
 
 namespace {
 
-constexpr std::int64_t kGrain = 4096;
-
 /// Poses for which a hierarchy over the faces is refitted at most. There are few of them, and where a body is crushed a
 /// search for a path follows several times as many segments in an old hierarchy, although its quality seems good.
 constexpr int kMostRefits = 32;

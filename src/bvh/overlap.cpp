@@ -11,8 +11,6 @@ namespace selvage {
 
 namespace {
 
-constexpr std::size_t kPieces = 1024;  ///< enough that threads stay busy where pieces differ in size
-
 template <bool kSelf>
 PairWork split_work(const Bvh& a, const Bvh& b, std::size_t wanted, const std::function<bool(NodePair)>& keep) {
   PairWork work;
@@ -64,13 +62,13 @@ PairWork split_self_pair_work(const Bvh& bvh, std::size_t wanted, const std::fun
 }
 
 std::vector<IndexPair> overlapping_pairs(const Bvh& a, const Bvh& b) {
-  return find_pairs(split_pair_work(a, b, kPieces), a.primitive_count(), [&](NodePair piece, PairSink sink) {
+  return find_pairs(split_pair_work(a, b, kPairPieces), a.primitive_count(), [&](NodePair piece, PairSink sink) {
     SELVAGE_DISPATCH(find_pairs_kernel, a.nodes(), b.nodes(), piece, sink);
   });
 }
 
 std::vector<IndexPair> self_overlapping_pairs(const Bvh& bvh) {
-  return find_pairs(split_self_pair_work(bvh, kPieces), bvh.primitive_count(), [&](NodePair piece, PairSink sink) {
+  return find_pairs(split_self_pair_work(bvh, kPairPieces), bvh.primitive_count(), [&](NodePair piece, PairSink sink) {
     SELVAGE_DISPATCH(find_self_pairs_kernel, bvh.nodes(), piece, sink);
   });
 }

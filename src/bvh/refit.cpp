@@ -17,7 +17,7 @@ struct ChildBounds {
   Float4 upper;
 };
 
-SELVAGE_INLINE ChildBounds bounds_of(const Box& box) {
+SELVAGE_INLINE ChildBounds child_bounds(const Box& box) {
   const float* const floats = reinterpret_cast<const float*>(&box);
   return {Float4::load(floats), Float4::load(floats + 2)};
 }
@@ -29,7 +29,7 @@ SELVAGE_INLINE Float4 larger_half(const float* row) {
   return max(Float4::load(row), Float4::load(row + 4));
 }
 
-SELVAGE_INLINE ChildBounds bounds_of(const BvhNode& node) {
+SELVAGE_INLINE ChildBounds child_bounds(const BvhNode& node) {
   const Float4 lower_z = smaller_half(node.lower[2]), upper_x = larger_half(node.upper[0]);
   return {reduce_min(smaller_half(node.lower[0]), smaller_half(node.lower[1]), lower_z, lower_z),
           reduce_max(upper_x, upper_x, larger_half(node.upper[1]), larger_half(node.upper[2]))};
@@ -51,7 +51,7 @@ SELVAGE_INLINE FourBounds gather_four(int first, BoundsOfChild&& bounds_of_child
   return {{bounds[0].lower, bounds[1].lower, bounds[2].lower}, {bounds[1].upper, bounds[2].upper, bounds[3].upper}};
 }
 
-SELVAGE_INLINE ChildBounds nothing() {
+SELVAGE_INLINE ChildBounds no_bounds() {
   return {Float4::broadcast(kInfinity), Float4::broadcast(-kInfinity)};
 }
 
@@ -65,7 +65,7 @@ SELVAGE_INLINE int inner_children(const BvhNode& node) {
 SELVAGE_INLINE void merge_inner_children(BvhNode& node, const BvhNode* nodes, int inner_count) {
   for (int first = 0; first < inner_count; first += 4) {
     const FourBounds four = gather_four(
-        first, [&](int lane) { return lane < inner_count ? bounds_of(nodes[~node.children[lane]]) : nothing(); });
+        first, [&](int lane) { return lane < inner_count ? child_bounds(nodes[~node.children[lane]]) : no_bounds(); });
     for (int axis = 0; axis < 3; ++axis) {
       min(four.lower[axis], Float4::load(node.lower[axis] + first)).store(node.lower[axis] + first);
       max(four.upper[axis], Float4::load(node.upper[axis] + first)).store(node.upper[axis] + first);
@@ -102,7 +102,8 @@ void fill_boxes(BvhNode* nodes, const Box* boxes, Index first, Index last) {
         if (child >= 0) prefetch(boxes + child);
     for (int half = 0; half < BvhNode::kWidth; half += 4) {
       const FourBounds four = gather_four(half, [&](int lane) {
-        return lane < node.child_count && node.children[lane] >= 0 ? bounds_of(boxes[node.children[lane]]) : nothing();
+        return lane < node.child_count && node.children[lane] >= 0 ? child_bounds(boxes[node.children[lane]])
+                                                                   : no_bounds();
       });
       for (int axis = 0; axis < 3; ++axis) {
         four.lower[axis].store(node.lower[axis] + half);

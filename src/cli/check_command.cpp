@@ -21,7 +21,7 @@ struct CheckOptions {
   bool adjacent = false, segments = false;
 };
 
-constexpr const char* kExample =
+constexpr const char* kCheckExample =
     "  selvage check shirt.obj\n"
     "  selvage check octopus.t --adjacent --json pairs.json --vtu octopus.vtu\n"
     "  selvage check frame1.ply --to frame2.ply\n"
@@ -134,7 +134,7 @@ Command add_check(CLI::App& app) {
       add_subcommand(app, "check",
                      "Finds the self-collisions of a surface, or of the boundary of a tetrahedral mesh: all "
                      "pairs of triangles that meet, exactly. Exit status 1: there are some.",
-                     kExample, options->common);
+                     kCheckExample, options->common);
   sub->add_option("mesh", options->mesh, "Mesh file")->required()->type_name("MESH");
   sub->add_option("--to", options->end_mesh,
                   "Find what meets while each vertex moves on a straight line from MESH to the same mesh in MESH1: "

@@ -26,7 +26,7 @@ struct InfoOptions {
   std::string mesh;
 };
 
-constexpr const char* kExample =
+constexpr const char* kInfoExample =
     "  selvage info octopus.t\n"
     "  selvage info octopus.t --json - | jq .inverted_elements";
 
@@ -167,7 +167,7 @@ Command add_info(CLI::App& app) {
   CLI::App* sub = add_subcommand(app, "info",
                                  "Says what a mesh file holds: counts, boundary, components, inverted and degenerate "
                                  "elements, overwound ridges, bounding box, quality.",
-                                 kExample, options->common);
+                                 kInfoExample, options->common);
   sub->add_option("mesh", options->mesh, "Mesh file")->required()->type_name("MESH");
   return {sub, &options->common, [options] {
             run_info(*options);

@@ -26,7 +26,7 @@ struct MakeOptions {
   bool ascii = false, binary = false;
 };
 
-constexpr const char* kExample =
+constexpr const char* kMakeExample =
     "  selvage make octopus --elements 30000 --pose swirl -o octopus.vtu\n"
     "  selvage make rod --length 8 --radius 0.2 --pose self-crossing,crossings=3 -o noodle.t";
 
@@ -106,7 +106,8 @@ void add_measures(CLI::App& app, MakeOptions& options) {
 
 Command add_make(CLI::App& app) {
   auto options = std::make_shared<MakeOptions>();
-  CLI::App* sub = add_subcommand(app, "make", "Makes a mesh by formula, and tangles it.", kExample, options->common);
+  CLI::App* sub =
+      add_subcommand(app, "make", "Makes a mesh by formula, and tangles it.", kMakeExample, options->common);
   sub->add_option("shape", options->shape, fmt::format("One of {}", fmt::join(shape_names(), ", ")))
       ->required()
       ->type_name("SHAPE");

@@ -27,7 +27,7 @@ struct PathsOptions {
   std::vector<int> picture_size{1600, 1000};
 };
 
-constexpr const char* kExample =
+constexpr const char* kPathsExample =
     "  selvage make octopus --pose swirl -o octopus.t\n"
     "  selvage paths octopus.t --csv paths.csv --vtu paths.vtu --picture octopus.png\n"
     "  echo 0.1,0.2,0.3 > points.csv && selvage paths octopus.t --points points.csv --json -\n"
@@ -194,7 +194,7 @@ Command add_paths(CLI::App& app) {
   CLI::App* sub = add_subcommand(app, "paths",
                                  "Finds shortest paths to the boundary: for every boundary vertex that lies inside an "
                                  "element it does not belong to, or for given points.",
-                                 kExample, options->common);
+                                 kPathsExample, options->common);
   sub->add_option("mesh", options->mesh, "Tetrahedral mesh, or triangles in the plane z = 0")
       ->required()
       ->type_name("MESH");

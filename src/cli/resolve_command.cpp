@@ -23,7 +23,7 @@ struct ResolveCommandOptions {
   ResolveOptions limits;
 };
 
-constexpr const char* kExample =
+constexpr const char* kResolveExample =
     "  selvage make rod --length 8 --radius 0.2 --pose self-crossing -o tangled.vtu\n"
     "  selvage resolve tangled.vtu -o resolved.vtu --json report.json\n"
     "Vertices far from any tangle keep their coordinates. Where the mesh cannot be resolved the exit status is 3, and\n"
@@ -189,7 +189,7 @@ Command add_resolve(CLI::App& app) {
   CLI::App* sub = add_subcommand(app, "resolve",
                                  "Moves a tangled mesh of tetrahedra, at rest, to a state without self-collision, and "
                                  "leaves it as it is where it is not tangled.",
-                                 kExample, options->common);
+                                 kResolveExample, options->common);
   sub->add_option("mesh", options->mesh, "Mesh file")->required()->type_name("MESH");
   sub->add_option("-o,--output", options->output, "Mesh file to write; its extension tells the format")
       ->required()

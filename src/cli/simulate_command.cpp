@@ -19,7 +19,7 @@ struct SimulateOptions {
   bool resume = false, vtu = false;
 };
 
-constexpr const char* kExample =
+constexpr const char* kSimulateExample =
     "  selvage simulate scenes/octopi_8_hybrid.json -o octopi --vtu\n"
     "  selvage simulate scenes/octopi_8_hybrid.json -o octopi --resume --frames 120\n"
     "The folder holds, after each frame:\n"
@@ -119,7 +119,7 @@ Command add_simulate(CLI::App& app) {
   CLI::App* sub = add_subcommand(app, "simulate",
                                  "Runs a scene of deformable bodies that touch themselves and one another. A run that "
                                  "was killed is continued with --resume and ends as if it had never stopped.",
-                                 kExample, options->common);
+                                 kSimulateExample, options->common);
   sub->add_option("scene", options->scene, "Scene file")->required()->type_name("SCENE.json");
   sub->add_option("-o,--output", options->folder, "Folder of the run; made if it is not there")
       ->required()

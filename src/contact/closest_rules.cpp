@@ -13,8 +13,6 @@ namespace selvage {
 
 namespace {
 
-constexpr std::int64_t kGrain = 4096;
-
 /// A rounded barycentric point may lie outside its element; a step towards the middle, far above rounding and far below
 /// what anybody sees, takes it in again.
 constexpr double kInward = 1e-9;

@@ -18,7 +18,7 @@ namespace selvage {
 
 namespace {
 
-constexpr std::int64_t kGrain = 1024;
+constexpr std::int64_t kContactGrain = 1024;
 
 std::vector<TriangleMesh::Triangle> boundary_of(const TetMesh& mesh) {
   return {mesh.boundary_faces().begin(), mesh.boundary_faces().end()};
@@ -33,7 +33,8 @@ template <typename Pair, typename Make>
 void append_impacts(std::span<const Pair> pairs, std::span<const double> times, std::span<const Index> kept,
                     std::vector<Contact>& contacts, Make&& make) {
   std::vector<std::optional<Contact>> made(kept.size());
-  parallel_for(std::ssize(kept), kGrain, [&](std::int64_t i) { made[i] = make(pairs[kept[i]], times[kept[i]]); });
+  parallel_for(std::ssize(kept), kContactGrain,
+               [&](std::int64_t i) { made[i] = make(pairs[kept[i]], times[kept[i]]); });
   for (const auto& contact : made)
     if (contact) contacts.push_back(*contact);
 }

@@ -60,8 +60,8 @@ class TimeHalving {
     double largest = 0;
     for (double c : volume.coefficient) largest = std::max(largest, std::abs(c));
     constexpr double kErrorOfHalvings = 0x1p-47;  // 3 roundings of 2^-53 for each of 20 halvings
-    constexpr double kLargestSafe = 0x1p1000;     // sums of two do not overflow
-    volume_error_ = largest < kLargestSafe ? volume.error + kErrorOfHalvings * largest : HUGE_VAL;
+    constexpr double kLargestSum = 0x1p1000;      // sums of two do not overflow
+    volume_error_ = largest < kLargestSum ? volume.error + kErrorOfHalvings * largest : HUGE_VAL;
     for (int i = 1; i < 4; ++i)
       for (int k = 0; k < 3; ++k) {
         start_[i][k] = points.t0[i][k] - points.t0[0][k];

@@ -88,6 +88,36 @@ std::int64_t Cursor::integer(std::string_view what) {
   return value;
 }
 
+std::int64_t Cursor::integer(Scalar type, std::string_view what) {
+  if (!binary_) return integer(what);
+  switch (type) {
+    case Scalar::kInt8:
+      return binary<std::int8_t>(what);
+    case Scalar::kUint8:
+      return binary<std::uint8_t>(what);
+    case Scalar::kInt16:
+      return binary<std::int16_t>(what);
+    case Scalar::kUint16:
+      return binary<std::uint16_t>(what);
+    case Scalar::kInt32:
+      return binary<std::int32_t>(what);
+    case Scalar::kUint32:
+      return binary<std::uint32_t>(what);
+    case Scalar::kInt64:
+    case Scalar::kUint64:  // beyond 2^63 it comes out negative, which no reader takes
+      return binary<std::int64_t>(what);
+    default:
+      fail("whole numbers are stored as floats", "export the file again with whole numbers as integers");
+  }
+}
+
+double Cursor::real(Scalar type, std::string_view what) {
+  if (!binary_) return real(what);
+  if (type == Scalar::kFloat) return static_cast<double>(binary<float>(what));
+  if (type == Scalar::kDouble) return binary<double>(what);
+  return static_cast<double>(integer(type, what));
+}
+
 double Cursor::real(std::string_view what) {
   skip_blanks();
   const char* first = at_;

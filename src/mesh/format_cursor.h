@@ -23,6 +23,14 @@ T swap_bytes(T value) {
   return value;
 }
 
+/// Type of a number in a binary file.
+enum class Scalar { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kInt64, kUint64, kFloat, kDouble };
+
+constexpr std::size_t size_of(Scalar type) {
+  constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
+  return kSizes[static_cast<int>(type)];
+}
+
 /// Walks through a mesh file in memory, text and binary, and never past its end; every error it raises names the file
 /// and the line (text) or the byte offset (binary) of what was read last.
 ///
@@ -77,6 +85,10 @@ class Cursor {
 
   /// Number, not necessarily finite.
   double real(std::string_view what);
+
+  /// The same, of the given type where the file is binary.
+  std::int64_t integer(Scalar type, std::string_view what);
+  double real(Scalar type, std::string_view what);
 
   /// Finite number.
   double coordinate() {

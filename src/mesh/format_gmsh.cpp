@@ -63,9 +63,9 @@ std::string_view name_of(std::int64_t type) {
   }
 }
 
-class Reader {
+class GmshReader {
  public:
-  explicit Reader(const Source& source) : source_(source), cursor_(source) {}
+  explicit GmshReader(const Source& source) : source_(source), cursor_(source) {}
 
   MeshFile read() {
     if (cursor_.token() != "$MeshFormat") {
@@ -345,7 +345,7 @@ void print_nodes(Printer& out, const MeshFile& mesh, bool binary) {
 }  // namespace
 
 MeshFile parse_gmsh(const Source& source) {
-  return Reader(source).read();
+  return GmshReader(source).read();
 }
 
 std::string print_gmsh(const MeshFile& mesh, FileEncoding encoding) {

@@ -10,9 +10,9 @@ namespace selvage::format {
 
 namespace {
 
-class Reader {
+class MeditReader {
  public:
-  explicit Reader(const Source& source) : cursor_(source, '#'), collector_(cursor_, mesh_, numbers_) {}
+  explicit MeditReader(const Source& source) : cursor_(source, '#'), collector_(cursor_, mesh_, numbers_) {}
 
   MeshFile read() {
     if (cursor_.peek() != "MeshVersionFormatted") cursor_.fail_expected("'MeshVersionFormatted'");
@@ -98,7 +98,7 @@ class Reader {
 }  // namespace
 
 MeshFile parse_medit(const Source& source) {
-  return Reader(source).read();
+  return MeditReader(source).read();
 }
 
 std::string print_medit(const MeshFile& mesh) {

@@ -85,7 +85,7 @@ void parse_binary(Cursor& cursor, int extra_floats, MeshFile& mesh) {
   }
 }
 
-std::string print_binary(const MeshFile& mesh) {
+std::string print_binary_off(const MeshFile& mesh) {
   Printer out(std::endian::big);
   out.text("OFF BINARY\n");
   out.binary(static_cast<std::int32_t>(mesh.positions.size())).binary(static_cast<std::int32_t>(mesh.triangles.size()));
@@ -117,7 +117,7 @@ MeshFile parse_off(const Source& source) {
 }
 
 std::string print_off(const MeshFile& mesh, FileEncoding encoding) {
-  if (encoding == FileEncoding::kBinary) return print_binary(mesh);
+  if (encoding == FileEncoding::kBinary) return print_binary_off(mesh);
   Printer out;
   out.text("OFF\n").number(mesh.positions.size()).text(" ").number(mesh.triangles.size()).text(" 0\n");
   for (const Vec3& p : mesh.positions) out.numbers(p).text("\n");

@@ -6,12 +6,11 @@
 
 #include <algorithm>
 #include <optional>
+#include <tuple>
 
 namespace selvage::format {
 
 namespace {
-
-enum class Scalar { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
 
 struct Property {
   std::string_view name;
@@ -32,28 +31,24 @@ struct Element {
   }
 };
 
-std::size_t size_of(Scalar type) {
-  constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
-  return kSizes[static_cast<int>(type)];
-}
-
 Scalar read_type(Cursor& cursor) {
-  constexpr std::string_view kNames[][2] = {{"char", "int8"},     {"uchar", "uint8"},   {"short", "int16"},
-                                            {"ushort", "uint16"}, {"int", "int32"},     {"uint", "uint32"},
-                                            {"float", "float32"}, {"double", "float64"}};
+  constexpr std::tuple<std::string_view, std::string_view, Scalar> kTypes[] = {
+      {"char", "int8", Scalar::kInt8},       {"uchar", "uint8", Scalar::kUint8},    {"short", "int16", Scalar::kInt16},
+      {"ushort", "uint16", Scalar::kUint16}, {"int", "int32", Scalar::kInt32},      {"uint", "uint32", Scalar::kUint32},
+      {"float", "float32", Scalar::kFloat},  {"double", "float64", Scalar::kDouble}};
   const std::string_view token = cursor.peek();
-  for (std::size_t i = 0; i < std::size(kNames); ++i) {
-    if (token == kNames[i][0] || token == kNames[i][1]) {
+  for (const auto& [name, with_size, type] : kTypes) {
+    if (token == name || token == with_size) {
       cursor.token();
-      return static_cast<Scalar>(i);
+      return type;
     }
   }
   cursor.fail_expected("a property type (char, uchar, short, ushort, int, uint, float or double)");
 }
 
-class Reader {
+class PlyReader {
  public:
-  explicit Reader(const Source& source) : cursor_(source) { cursor_.bind_to_lines(true); }
+  explicit PlyReader(const Source& source) : cursor_(source) { cursor_.bind_to_lines(true); }
 
   MeshFile read() {
     read_header();
@@ -128,40 +123,8 @@ class Reader {
     return size;
   }
 
-  double read_real(Scalar type, std::string_view what) {
-    if (!cursor_.is_binary()) return cursor_.real(what);
-    switch (type) {
-      case Scalar::kFloat:
-        return static_cast<double>(cursor_.binary<float>(what));
-      case Scalar::kDouble:
-        return cursor_.binary<double>(what);
-      default:
-        return static_cast<double>(read_integer(type, what));
-    }
-  }
-
-  std::int64_t read_integer(Scalar type, std::string_view what) {
-    if (!cursor_.is_binary()) return cursor_.integer(what);
-    switch (type) {
-      case Scalar::kInt8:
-        return cursor_.binary<std::int8_t>(what);
-      case Scalar::kUint8:
-        return cursor_.binary<std::uint8_t>(what);
-      case Scalar::kInt16:
-        return cursor_.binary<std::int16_t>(what);
-      case Scalar::kUint16:
-        return cursor_.binary<std::uint16_t>(what);
-      case Scalar::kInt32:
-        return cursor_.binary<std::int32_t>(what);
-      case Scalar::kUint32:
-        return cursor_.binary<std::uint32_t>(what);
-      default:
-        cursor_.fail("a whole number is stored as a float", "export the file again with integer lists");
-    }
-  }
-
   std::int64_t read_list_count(const Property& p) {
-    const std::int64_t count = read_integer(*p.list_count, "the length of a list");
+    const std::int64_t count = cursor_.integer(*p.list_count, "the length of a list");
     cursor_.check_count(count, "list entries", cursor_.is_binary() ? size_of(p.type) : 2);
     return count;
   }
@@ -213,7 +176,7 @@ class Reader {
           skip(element.properties[p]);
           continue;
         }
-        point[axes[p]] = read_real(element.properties[p].type, "3 coordinates");
+        point[axes[p]] = cursor_.real(element.properties[p].type, "3 coordinates");
         if (!std::isfinite(point[axes[p]])) cursor_.fail_not_finite();
       }
       mesh_.positions.push_back(point);
@@ -239,7 +202,7 @@ class Reader {
           continue;
         }
         polygon.resize(static_cast<std::size_t>(read_list_count(property)));
-        for (Index& v : polygon) v = collector.vertex(read_integer(property.type, "a vertex number"));
+        for (Index& v : polygon) v = collector.vertex(cursor_.integer(property.type, "a vertex number"));
         collector.add_polygon(polygon);
       }
       end_element();
@@ -255,7 +218,7 @@ class Reader {
 }  // namespace
 
 MeshFile parse_ply(const Source& source) {
-  return Reader(source).read();
+  return PlyReader(source).read();
 }
 
 std::string print_ply(const MeshFile& mesh, FileEncoding encoding) {

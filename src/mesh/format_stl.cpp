@@ -100,7 +100,7 @@ Vec3 normal_of(const MeshFile& mesh, const VertexTuple<3>& t) {
   return length > 0 && std::isfinite(length) ? Vec3(normal / length) : Vec3(0, 0, 0);
 }
 
-std::string print_binary(const MeshFile& mesh) {
+std::string print_binary_stl(const MeshFile& mesh) {
   Printer out;
   out.reserve(kHeaderBytes + 4 + kTriangleBytes * mesh.triangles.size());
   std::string header = "binary STL";
@@ -121,7 +121,7 @@ MeshFile parse_stl(const Source& source) {
 }
 
 std::string print_stl(const MeshFile& mesh, FileEncoding encoding) {
-  if (encoding == FileEncoding::kBinary) return print_binary(mesh);
+  if (encoding == FileEncoding::kBinary) return print_binary_stl(mesh);
   Printer out;
   out.text("solid selvage\n");
   for (const auto& triangle : mesh.triangles) {

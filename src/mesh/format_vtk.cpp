@@ -10,16 +10,9 @@ namespace selvage::format {
 
 namespace {
 
-enum class Scalar { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kInt64, kUint64, kFloat, kDouble };
-
-constexpr std::size_t size_of(Scalar type) {
-  constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
-  return kSizes[static_cast<int>(type)];
-}
-
-class Reader {
+class VtkReader {
  public:
-  explicit Reader(const Source& source) : cursor_(source) {}
+  explicit VtkReader(const Source& source) : cursor_(source) {}
 
   MeshFile read() {
     read_header();
@@ -98,40 +91,10 @@ class Reader {
     if (cursor_.is_binary()) cursor_.next_line();
   }
 
-  double real(Scalar type, std::string_view what) {
-    if (!cursor_.is_binary()) return cursor_.real(what);
-    if (type == Scalar::kFloat) return static_cast<double>(cursor_.binary<float>(what));
-    if (type == Scalar::kDouble) return cursor_.binary<double>(what);
-    return static_cast<double>(integer(type, what));
-  }
-
-  std::int64_t integer(Scalar type, std::string_view what) {
-    if (!cursor_.is_binary()) return cursor_.integer(what);
-    switch (type) {
-      case Scalar::kInt8:
-        return cursor_.binary<std::int8_t>(what);
-      case Scalar::kUint8:
-        return cursor_.binary<std::uint8_t>(what);
-      case Scalar::kInt16:
-        return cursor_.binary<std::int16_t>(what);
-      case Scalar::kUint16:
-        return cursor_.binary<std::uint16_t>(what);
-      case Scalar::kInt32:
-        return cursor_.binary<std::int32_t>(what);
-      case Scalar::kUint32:
-        return cursor_.binary<std::uint32_t>(what);
-      case Scalar::kInt64:
-      case Scalar::kUint64:
-        return cursor_.binary<std::int64_t>(what);
-      default:
-        cursor_.fail("whole numbers are stored as floats", "export the file again");
-    }
-  }
-
   std::vector<std::int64_t> integers(std::int64_t count, Scalar type, std::string_view what) {
     cursor_.check_count(count, what, cursor_.is_binary() ? size_of(type) : 2);
     std::vector<std::int64_t> values(static_cast<std::size_t>(count));
-    for (std::int64_t& value : values) value = integer(type, what);
+    for (std::int64_t& value : values) value = cursor_.integer(type, what);
     return values;
   }
 
@@ -145,7 +108,7 @@ class Reader {
     for (std::int64_t i = 0; i < count; ++i) {
       Vec3 point;
       for (int d = 0; d < 3; ++d) {
-        point[d] = real(type, "3 coordinates");
+        point[d] = cursor_.real(type, "3 coordinates");
         if (!std::isfinite(point[d])) cursor_.fail_not_finite();
       }
       mesh_.positions.push_back(point);
@@ -329,7 +292,7 @@ void print_types(Printer& out, std::int32_t type, std::size_t count, bool binary
 }  // namespace
 
 MeshFile parse_vtk(const Source& source) {
-  return Reader(source).read();
+  return VtkReader(source).read();
 }
 
 std::string print_vtk(const MeshFile& mesh, FileEncoding encoding) {

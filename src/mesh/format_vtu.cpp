@@ -27,9 +27,9 @@ void convert(std::string_view bytes, bool swap, std::vector<T>& values) {
   }
 }
 
-class Reader {
+class VtuReader {
  public:
-  explicit Reader(const Source& source) : source_(source) {}
+  explicit VtuReader(const Source& source) : source_(source) {}
 
   MeshFile read() {
     load_xml();
@@ -273,7 +273,7 @@ class Reader {
 }  // namespace
 
 MeshFile parse_vtu(const Source& source) {
-  return Reader(source).read();
+  return VtuReader(source).read();
 }
 
 }  // namespace selvage::format

@@ -68,7 +68,7 @@ class OptionReader {
   PoseOptions left_;
 };
 
-constexpr std::array<std::string_view, 6> kNames = {"twist", "bend", "fold", "swirl", "self-crossing", "overlap"};
+constexpr std::array<std::string_view, 6> kPoseNames = {"twist", "bend", "fold", "swirl", "self-crossing", "overlap"};
 
 void overlap_with_copy(MeshFile& mesh, const Vec3& offset) {
   const Index first = static_cast<Index>(mesh.positions.size());
@@ -81,7 +81,7 @@ void overlap_with_copy(MeshFile& mesh, const Vec3& offset) {
 }  // namespace
 
 std::span<const std::string_view> pose_names() {
-  return kNames;
+  return kPoseNames;
 }
 
 void apply_pose(MeshFile& mesh, std::string_view name, const PoseOptions& options) {
@@ -116,7 +116,7 @@ void apply_pose(MeshFile& mesh, std::string_view name, const PoseOptions& option
     overlap_with_copy(mesh, offset);
   } else {
     throw Error("pose", fmt::format("there is no pose '{}'", name),
-                fmt::format("use one of {}", fmt::join(kNames, ", ")));
+                fmt::format("use one of {}", fmt::join(kPoseNames, ", ")));
   }
 }
 

@@ -16,8 +16,6 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr std::int64_t kGrain = 4096;
-
 struct Extent {
   Vec3 low, high;
 

@@ -31,7 +31,6 @@ struct PositionExtent {
 
 template <int D>
 PositionExtent<D> extent_of(std::span<const Vec<D>> positions) {
-  constexpr std::int64_t kGrain = 4096;
   return parallel_reduce<PositionExtent<D>>(std::ssize(positions), kGrain,
                                             [&](std::int64_t first, std::int64_t last, PositionExtent<D>& extent) {
                                               for (std::int64_t v = first; v < last; ++v) extent.add(positions[v]);

@@ -69,7 +69,7 @@ constexpr std::array<NamedSequence, 7> kSequences = {{
     {"crumple", 64'082, 120, cut_sheet, place_crumple},
 }};
 
-constexpr std::array kNames = [] {
+constexpr std::array kSequenceNames = [] {
   std::array<std::string_view, kSequences.size()> names;
   for (std::size_t i = 0; i < names.size(); ++i) names[i] = kSequences[i].name;
   return names;
@@ -80,14 +80,14 @@ constexpr std::int64_t kMostTriangles = std::int64_t{1} << 29;
 }  // namespace
 
 std::span<const std::string_view> sequence_names() {
-  return kNames;
+  return kSequenceNames;
 }
 
 SurfaceSequence::SurfaceSequence(std::string_view name, std::int64_t triangle_count) {
   const auto found = std::find_if(kSequences.begin(), kSequences.end(), [&](const auto& s) { return s.name == name; });
   if (found == kSequences.end())
     throw Error("sequence", fmt::format("there is no sequence '{}'", name),
-                fmt::format("use one of {}", fmt::join(kNames, ", ")));
+                fmt::format("use one of {}", fmt::join(kSequenceNames, ", ")));
   if (triangle_count < 0 || triangle_count > kMostTriangles)
     throw Error("triangles", fmt::format("{} is out of range", triangle_count), "use a number from 0 to 2^29");
   if (triangle_count == 0) triangle_count = found->triangle_count;
@@ -105,7 +105,7 @@ std::vector<Vec3> SurfaceSequence::positions(double frame) const {
     throw Error("frame", fmt::format("{} is out of range", frame),
                 fmt::format("frames lie in [0, {}]", frame_count_ - 1));
   std::vector<Vec3> positions(material_.size());
-  parallel_for(std::ssize(positions), 4096,
+  parallel_for(std::ssize(positions), kGrain,
                [&](std::int64_t v) { positions[v] = place_(material_[v], frame / (frame_count_ - 1)); });
   return positions;
 }

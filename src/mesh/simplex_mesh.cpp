@@ -13,8 +13,6 @@ namespace selvage {
 
 namespace {
 
-constexpr std::int64_t kGrain = 4096;
-
 template <int N>
 int local_index(const VertexTuple<N>& tuple, Index vertex) {
   return static_cast<int>(std::find(tuple.begin(), tuple.end(), vertex) - tuple.begin());

@@ -15,12 +15,10 @@ namespace selvage {
 
 namespace {
 
-constexpr std::size_t kPieces = 512;  ///< enough that threads stay busy where pieces differ in size
-
 /// Gives every vertex and every edge to the first of its triangles.
 std::vector<MovingTriangle> assign_features(const TriangleMesh& mesh) {
   std::vector<MovingTriangle> triangles(mesh.triangle_count());
-  parallel_for(mesh.triangle_count(), 4096, [&](std::int64_t t) {
+  parallel_for(mesh.triangle_count(), kGrain, [&](std::int64_t t) {
     MovingTriangle& triangle = triangles[t];
     triangle = {mesh.triangles()[t], mesh.triangle_edges()[t], 0};
     for (int i = 0; i < 3; ++i) {
@@ -130,7 +128,7 @@ struct ContinuousCollisionFinder::State {
     const ContinuousScene searched = scene();
     if (counters != nullptr) spared.counters.add_to(*counters);
     const PairWork work = split_self_pair_work(
-        bvh, kPieces, [&](NodePair pair) { return !searched.spared.do_hold(bvh.nodes().data(), pair); });
+        bvh, kPairPieces, [&](NodePair pair) { return !searched.spared.do_hold(bvh.nodes().data(), pair); });
     std::vector<ContinuousResult> results(work.pieces.size() + 1);
     results.back().counters.node_pairs = work.compared;
     results.back().counters.self_node_pairs = work.compared_selves;

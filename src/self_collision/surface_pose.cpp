@@ -12,8 +12,6 @@ namespace selvage {
 
 namespace {
 
-constexpr std::int64_t kGrain = 4096;
-
 using Row = std::array<float, 4>;
 
 /// At least the next float, so that nothing which was rounded down lies above; at most three away.

@@ -4,11 +4,7 @@
 
 namespace selvage {
 
-namespace {
-
-constexpr std::int64_t kGrain = 4096;
-
-}  // namespace
+namespace {}  // namespace
 
 void SweptPose::place(const TriangleMesh& mesh, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1,
                       std::span<const double> thickness, const PoseFrame& frame) {

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -18,6 +19,9 @@ struct NumberRange {
   double least, most;
   bool open_below = false;  ///< `least` itself is excluded
 };
+
+inline constexpr NumberRange kPositive{0, std::numeric_limits<double>::infinity(), true};
+inline constexpr NumberRange kNotNegative{0, std::numeric_limits<double>::infinity()};
 
 /// A value of a JSON document with its place in it, so that every complaint names the file, the path (as in
 /// `bodies[2].material.poisson_ratio`), what is wrong and what is allowed.

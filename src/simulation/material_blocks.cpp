@@ -32,7 +32,7 @@ void order_elements(const Model& model, const Body& body, std::vector<Index>& or
     bool operator<(const Place& other) const { return key != other.key ? key < other.key : element < other.element; }
   };
   std::vector<Place> places(body.element_count);
-  parallel_for(body.element_count, 4096, [&](std::int64_t i) {
+  parallel_for(body.element_count, kGrain, [&](std::int64_t i) {
     const Index element = body.first_element + static_cast<Index>(i);
     Vec3 centre = Vec3::Zero();
     for (const Index v : model.mesh.elements()[element]) centre += 0.25 * (model.rest_positions[v] - lower);

@@ -11,9 +11,9 @@ namespace selvage {
 
 namespace {
 
-constexpr std::int64_t kGrain = 1024;
+constexpr std::int64_t kElementGrain = 1024;
 /// Part of a vertex's shortest edge that a point inside a body is sent at a time.
-constexpr double kReach = 0.25;
+constexpr double kVertexReach = 0.25;
 
 Eigen::Map<Eigen::Vector3d> position(VertexRow& vertex) {
   return Eigen::Map<Eigen::Vector3d>(vertex.position);
@@ -109,7 +109,7 @@ struct MovingObstacle {
 void leave_out_inverted(const TetMesh& mesh, std::span<const Vec3> start, std::vector<Contact>& contacts) {
   const auto elements = mesh.elements();
   std::vector<std::uint8_t> is_inverted(elements.size());
-  parallel_for(std::ssize(elements), kGrain, [&](std::int64_t e) {
+  parallel_for(std::ssize(elements), kElementGrain, [&](std::int64_t e) {
     const auto& [a, b, c, d] = elements[e];
     is_inverted[e] = orientation(std::array{start[a], start[b], start[c], start[d]}) < 0;
   });
@@ -130,7 +130,7 @@ std::vector<double> reaches_of(const Model& model) {
     for (const Index v : element)
       for (const Index w : element) {
         if (v == w) continue;
-        const double reach = kReach * (model.rest_positions[v] - model.rest_positions[w]).norm();
+        const double reach = kVertexReach * (model.rest_positions[v] - model.rest_positions[w]).norm();
         if (reaches[v] == 0 || reach < reaches[v]) reaches[v] = reach;
       }
   return reaches;
@@ -158,7 +158,7 @@ std::int64_t project_obstacles(std::span<const Obstacle> obstacles, double from,
     moving.push_back({obstacle, obstacle.motion.at(from), obstacle.motion.at(to)});
   if (moving.empty()) return 0;
   const auto count =
-      parallel_reduce<Count>(std::ssize(start), kGrain, [&](std::int64_t first, std::int64_t last, Count& hits) {
+      parallel_reduce<Count>(std::ssize(start), kElementGrain, [&](std::int64_t first, std::int64_t last, Count& hits) {
         for (std::int64_t v = first; v < last; ++v)
           if (vertices[v].inverse_mass > 0)
             for (std::size_t o = 0; o < moving.size(); ++o)

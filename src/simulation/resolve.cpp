@@ -33,7 +33,7 @@ constexpr double kClearanceShrinkage = 0.9;
 /// Iterations, at most, in which the material comes to rest once all are out.
 constexpr int kSettling = 30;
 /// Part of the mean edge length by which a vertex moves in one iteration: the material throws far what is inside out.
-constexpr double kReach = 0.5;
+constexpr double kLongestMove = 0.5;
 /// Iterations for which a contact holds after its point was last found inside: without it the material would at once
 /// pull back in what has just come out.
 constexpr int kHold = 20;
@@ -274,7 +274,7 @@ void Resolver::limit_displacements() {
   for (Index v = 0; v < mesh_.vertex_count(); ++v) {
     if (!is_awake_[v]) continue;
     const Eigen::Map<Eigen::Vector3d> position(vertices_[v].position);
-    hold_within(position, positions_[v], kReach * length_);
+    hold_within(position, positions_[v], kLongestMove * length_);
     hold_within(position, input_[v], options_.max_displacement);
   }
 }

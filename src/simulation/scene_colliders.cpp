@@ -6,8 +6,6 @@ namespace selvage {
 
 namespace {
 
-constexpr NumberRange kPositive{0, std::numeric_limits<double>::infinity(), true};
-constexpr NumberRange kNotNegative{0, std::numeric_limits<double>::infinity()};
 constexpr std::array<std::string_view, 6> kShapes{"plane", "box", "bowl", "sphere", "cylinder", "mesh"};
 
 PlaneShape read_plane(JsonObject& object) {

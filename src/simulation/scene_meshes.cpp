@@ -12,8 +12,6 @@ namespace selvage {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr NumberRange kPositive{0, kInfinity, true};
 constexpr std::int64_t kMostInstances = 100'000;
 
 double radians(double degrees) {
@@ -113,7 +111,7 @@ void jitter(const JsonValue& value, std::vector<Placement>& places) {
   JsonObject object(value);
   double shift = 0, turn = 0;
   std::int64_t seed = 1;
-  if (const auto v = object.find("translate")) shift = v->number({0, kInfinity});
+  if (const auto v = object.find("translate")) shift = v->number(kNotNegative);
   if (const auto v = object.find("degrees")) turn = radians(v->number({0, 180}));
   if (const auto v = object.find("seed")) seed = v->integer(0, 1'000'000'000);
   object.refuse_others();

@@ -12,8 +12,7 @@ namespace selvage {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr NumberRange kPositive{0, kInfinity, true}, kNotNegative{0, kInfinity};
+constexpr double kForever = std::numeric_limits<double>::infinity();
 
 Keyframe read_keyframe(const JsonValue& value) {
   JsonObject object(value);
@@ -45,7 +44,7 @@ void read_neo_hookean(JsonObject& object, Material& material) {
 
 HandleDescription read_handle(const JsonValue& value) {
   JsonObject object(value);
-  HandleDescription handle{read_region(object.get("region")), read_motion(object.get("motion")), kInfinity};
+  HandleDescription handle{read_region(object.get("region")), read_motion(object.get("motion")), kForever};
   if (const auto v = object.find("release")) handle.release_time = v->number(kNotNegative);
   object.refuse_others();
   return handle;
@@ -79,7 +78,7 @@ BodyDescription read_body(const JsonValue& value, std::size_t number, const std:
   if (const auto v = object.find("material")) body.material = find_material(*v, materials);
   if (const auto v = object.find("velocity")) body.velocity = v->vector();
   if (const auto v = object.find("pinned"))
-    for (const JsonValue& item : v->items()) body.handles.push_back({read_region(item), {}, kInfinity});
+    for (const JsonValue& item : v->items()) body.handles.push_back({read_region(item), {}, kForever});
   if (const auto v = object.find("handles"))
     for (const JsonValue& item : v->items()) body.handles.push_back(read_handle(item));
   object.refuse_others();

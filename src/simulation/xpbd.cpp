@@ -15,7 +15,6 @@ namespace selvage {
 
 namespace {
 
-constexpr std::int64_t kGrain = 4096;
 /// Part of a step by which the rounding of times is forgiven.
 constexpr double kTimeSlack = 1e-6;
 

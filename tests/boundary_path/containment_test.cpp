@@ -18,7 +18,7 @@ namespace {
 
 // Vertices, middles of edges, faces and elements, and the same a little and very far off.
 template <int D>
-std::vector<Vec<D>> make_points(const families::Subject<D>& subject, std::size_t count, families::Random& random) {
+std::vector<Vec<D>> make_points(const families::Subject<D>& subject, std::size_t count, test::Random& random) {
   const auto& x = subject.judge.positions();
   std::vector<Vec<D>> points;
   while (points.size() < count) {
@@ -65,7 +65,7 @@ template <int D>
 void locate_groups_of_every_size(std::size_t number) {
   const families::Subject<D> subject(families::all_families<D>()[number]);
   const BoundaryPathFinder<D> finder(subject.mesh, subject.judge.positions());
-  families::Random random(number);
+  test::Random random(number);
   for (const std::size_t count : {1, 2, 3, 8, 15, 16, 17, 33}) {
     const auto points = make_points(subject, test::scaled(20) < 20 ? count % 17 : count, random);
     expect_holders<D>(subject, points, finder.locate(points));
@@ -77,7 +77,7 @@ template <int D>
 void locate_alone_and_together(std::size_t number) {
   const families::Subject<D> subject(families::all_families<D>()[number]);
   const BoundaryPathFinder<D> finder(subject.mesh, subject.judge.positions());
-  families::Random random(100 + number);
+  test::Random random(100 + number);
   const auto points = make_points(subject, test::scaled(1000), random);
   const auto together = finder.locate(points);
   for (std::size_t i = 0; i < points.size(); ++i) {

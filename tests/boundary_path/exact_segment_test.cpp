@@ -11,7 +11,7 @@ namespace selvage {
 namespace {
 
 template <int D>
-Vec<D> lattice_point(families::Random& random) {
+Vec<D> lattice_point(test::Random& random) {
   Vec<D> x;
   for (int k = 0; k < D; ++k) x[k] = random.below(5) - 2.0;
   return x;
@@ -19,7 +19,7 @@ Vec<D> lattice_point(families::Random& random) {
 
 /// A face; one in three is flat, or a point.
 template <int D>
-FacePoints<D> lattice_face(families::Random& random) {
+FacePoints<D> lattice_face(test::Random& random) {
   FacePoints<D> face;
   for (auto& x : face) x = lattice_point<D>(random);
   if (random.below(3) == 0) face[D - 1] = D == 2 || random.below(4) == 0 ? face[0] : Vec<D>(2 * face[1] - face[0]);
@@ -36,7 +36,7 @@ std::array<oracle::RationalVec<D>, D> seen_from(const Vec<D>& p, const FacePoint
 
 template <int D>
 void compare_with_rationals() {
-  families::Random random(test::seed(D));
+  test::Random random(test::seed(D));
   std::int64_t in_segment = 0, in_reach = 0, on_line = 0;
   const std::int64_t count = test::scaled(40000);
   for (std::int64_t i = 0; i < count; ++i) {

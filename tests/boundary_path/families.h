@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "random.h"
+
 namespace selvage::families {
 
 /// Vertices and elements of one mesh.
@@ -38,18 +40,7 @@ const std::vector<Family<D>>& all_families() {
   }
 }
 
-/// Pseudo-random numbers, the same on every machine.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  std::uint64_t bits();
-  double unit() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
-  double between(double low, double high) { return low + (high - low) * unit(); }
-  Index below(std::size_t count) { return static_cast<Index>(bits() % count); }
-
- private:
-  std::uint64_t state_;
-};
+using test::Random;
 
 /// Grid of nx x ny unit squares, each cut in two; with `alternating` the diagonals form diamonds.
 Pieces<2> grid(int nx, int ny, bool alternating = false);
@@ -89,7 +80,7 @@ template <int D>
 Pieces<D> jittered(Pieces<D> mesh, double amount, std::uint64_t seed) {
   Random random(seed);
   for (auto& x : mesh.positions) {
-    for (int k = 0; k < D; ++k) x[k] += random.between(-amount, amount);
+    for (int k = 0; k < D; ++k) x[k] += random.within(-amount, amount);
   }
   return mesh;
 }

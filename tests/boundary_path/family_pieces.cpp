@@ -87,13 +87,6 @@ Pieces<D> walk_cells(const std::string& steps) {
 
 }  // namespace
 
-std::uint64_t Random::bits() {
-  std::uint64_t z = (state_ += 0x9e3779b97f4a7c15);
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
-  return z ^ (z >> 31);
-}
-
 Pieces<2> grid(int nx, int ny, bool alternating) {
   Pieces<2> mesh;
   LatticeVertices<2> vertices;

@@ -91,7 +91,7 @@ void check_switches(const Case<D>& c) {
 
 template <int D>
 void check_warm_starts(const Case<D>& c) {
-  families::Random random(3);
+  test::Random random(3);
   std::vector<Index> right, wrong, any;
   for (const auto& answer : c.answers) {
     right.push_back(answer.status == PathStatus::kFound ? answer.face : kNone);

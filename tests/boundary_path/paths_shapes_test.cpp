@@ -11,7 +11,7 @@ namespace selvage {
 namespace {
 
 // Together about 40,000 queries.
-constexpr std::int64_t kQueries = 40000;
+constexpr std::int64_t kShapeQueries = 40000;
 
 bool is_positive(const MeshFile& file) {
   const oracle::Oracle<3> judge(file.positions, file.tetrahedra);
@@ -56,7 +56,7 @@ TEST_P(TangledShapePaths, AreThoseOfTheOracle) {
     ASSERT_EQ(found[i].element, right[i].element);
   }
 
-  const auto count = test::scaled(kQueries / static_cast<std::int64_t>(examples.size()) + 1);
+  const auto count = test::scaled(kShapeQueries / static_cast<std::int64_t>(examples.size()) + 1);
   const auto queries = subject.maker.make_many(count, 500 + GetParam());
   EXPECT_GT(families::expect_right_paths<3>(subject, queries, finder.find_paths(families::to_library<3>(queries))), 0);
 }

@@ -19,8 +19,8 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 template <int D>
-struct Case {
-  explicit Case(std::size_t number)
+struct PosedFamily {
+  explicit PosedFamily(std::size_t number)
       : family(families::all_families<D>()[number]),
         mesh(static_cast<Index>(family.mesh.positions.size()), family.mesh.elements),
         topology(mesh),
@@ -57,12 +57,12 @@ double turn(std::span<const Vec2> x, const VertexTuple<1>& ridge, std::span<cons
 }
 
 template <int D>
-bool is_immersed(const Case<D>& c, Index element) {
+bool is_immersed(const PosedFamily<D>& c, Index element) {
   return c.pose.component_states()[c.topology.component_of[element]] != ComponentState::kInverted;
 }
 
 template <int D>
-void check_defects(const Case<D>& c) {
+void check_defects(const PosedFamily<D>& c) {
   std::int64_t inverted = 0, flat = 0, inside = 0, at_boundary = 0;
   for (Index e = 0; e < c.mesh.element_count(); ++e) {
     inverted += c.pose.orientation_of(e) < 0;
@@ -89,7 +89,7 @@ void check_defects(const Case<D>& c) {
 
 /// Whether the element's corner at a vertex has a direction in its inside.
 template <int D>
-bool holds_direction(const Case<D>& c, Index element, Index vertex, const Vec<D>& direction) {
+bool holds_direction(const PosedFamily<D>& c, Index element, Index vertex, const Vec<D>& direction) {
   const auto& ids = c.mesh.elements()[element];
   Eigen::Matrix<double, D, D> edges;
   int column = 0;
@@ -100,8 +100,8 @@ bool holds_direction(const Case<D>& c, Index element, Index vertex, const Vec<D>
 
 /// Where candidates may be culled, the elements cover no direction twice.
 template <int D>
-void check_proofs(const Case<D>& c) {
-  families::Random random(7);
+void check_proofs(const PosedFamily<D>& c) {
+  test::Random random(7);
   for (Index v : c.mesh.boundary_vertices()) {
     const auto star = c.mesh.vertex_elements(v);
     if (!c.pose.cullable()[v] ||
@@ -109,7 +109,7 @@ void check_proofs(const Case<D>& c) {
       continue;
     for (std::int64_t i = 0; i < test::scaled(20); ++i) {
       Vec<D> direction;
-      for (int k = 0; k < D; ++k) direction[k] = random.between(-1, 1);
+      for (int k = 0; k < D; ++k) direction[k] = random.within(-1, 1);
       int held = 0;
       for (Index e : star) held += holds_direction(c, e, v, direction);
       ASSERT_LE(held, 1) << "vertex " << v;
@@ -119,7 +119,7 @@ void check_proofs(const Case<D>& c) {
 
 /// The boxes of all primitives hold their vertices, closely.
 template <int D, int N>
-void check_boxes(const Case<D>& c, const Bvh& hierarchy, std::span<const VertexTuple<N>> primitives) {
+void check_boxes(const PosedFamily<D>& c, const Bvh& hierarchy, std::span<const VertexTuple<N>> primitives) {
   const double slack = 8 * double{c.pose.rounding()} + 1e-30;
   for (const BvhNode& node : hierarchy.nodes()) {
     for (int i = 0; i < node.child_count; ++i) {
@@ -140,7 +140,7 @@ void check_boxes(const Case<D>& c, const Bvh& hierarchy, std::span<const VertexT
 }
 
 template <int D>
-void list_faces_below(const Case<D>& c, Index child, std::vector<Index>& faces) {
+void list_faces_below(const PosedFamily<D>& c, Index child, std::vector<Index>& faces) {
   if (child >= 0) return faces.push_back(child);
   const BvhNode& node = c.pose.faces().nodes()[~child];
   for (int i = 0; i < node.child_count; ++i) list_faces_below(c, node.children[i], faces);
@@ -148,7 +148,7 @@ void list_faces_below(const Case<D>& c, Index child, std::vector<Index>& faces) 
 
 /// The cone of every child holds all that ConeNode promises; returns how many children have one.
 template <int D>
-std::int64_t check_cones(const Case<D>& c) {
+std::int64_t check_cones(const PosedFamily<D>& c) {
   std::int64_t bounded = 0;
   for (std::size_t n = 0; n < c.pose.faces().nodes().size(); ++n) {
     const BvhNode& node = c.pose.faces().nodes()[n];
@@ -180,7 +180,7 @@ std::int64_t check_cones(const Case<D>& c) {
 }
 
 template <int D>
-void check_case(const Case<D>& c) {
+void check_case(const PosedFamily<D>& c) {
   check_defects(c);
   check_proofs(c);
   check_boxes<D, D + 1>(c, c.pose.elements(), c.mesh.elements());
@@ -197,7 +197,7 @@ void expect_same(const Pose<D>& a, const Pose<D>& b) {
 
 /// The same after an update from another pose, and with any number of threads, also in the nodes.
 template <int D>
-void check_updates(const Case<D>& c) {
+void check_updates(const PosedFamily<D>& c) {
   auto elsewhere = c.family.mesh.positions;
   for (auto& x : elsewhere) x = (x * 0.25).reverse().eval();
   Pose<D> pose(c.mesh, c.topology);
@@ -224,16 +224,16 @@ class PlanarPose : public testing::TestWithParam<std::size_t> {};
 class SolidPose : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(PlanarPose, KnowsItself) {
-  check_case(Case<2>(GetParam()));
+  check_case(PosedFamily<2>(GetParam()));
 }
 TEST_P(SolidPose, KnowsItself) {
-  check_case(Case<3>(GetParam()));
+  check_case(PosedFamily<3>(GetParam()));
 }
 TEST_P(PlanarPose, IsTheSameAfterUpdatesAndWithAnyThreads) {
-  check_updates(Case<2>(GetParam()));
+  check_updates(PosedFamily<2>(GetParam()));
 }
 TEST_P(SolidPose, IsTheSameAfterUpdatesAndWithAnyThreads) {
-  check_updates(Case<3>(GetParam()));
+  check_updates(PosedFamily<3>(GetParam()));
 }
 
 INSTANTIATE_TEST_SUITE_P(Families, PlanarPose, testing::Range<std::size_t>(0, families::planar_families().size()),
@@ -245,7 +245,7 @@ INSTANTIATE_TEST_SUITE_P(Families, SolidPose, testing::Range<std::size_t>(0, fam
 TEST(Pose, ProvesOrdinaryVertices) {
   const auto& all = families::solid_families();
   const auto number = std::find_if(all.begin(), all.end(), [](const auto& f) { return f.name == "jittered"; });
-  const Case<3> c(number - all.begin());
+  const PosedFamily<3> c(number - all.begin());
   std::int64_t cullable = 0;
   for (Index v : c.mesh.boundary_vertices()) cullable += c.pose.cullable()[v];
   EXPECT_GT(cullable, 0.9 * std::ssize(c.mesh.boundary_vertices()));

@@ -42,12 +42,12 @@ class Material {
 };
 
 /// A point strictly inside an element, at times very close to one of its faces.
-PathQuery<3> random_query(const Material& material, families::Random& random) {
+PathQuery<3> random_query(const Material& material, test::Random& random) {
   const Index element = random.below(material.mesh().elements().size());
   Vec3 point = Vec3::Zero();
   double total = 0;
   for (Index v : material.mesh().elements()[element]) {
-    const double weight = random.below(8) == 0 ? 1e-6 : random.between(0.1, 1);
+    const double weight = random.below(8) == 0 ? 1e-6 : random.within(0.1, 1);
     point += weight * material.scene().positions[v];
     total += weight;
   }
@@ -59,7 +59,7 @@ struct Tally {
 };
 
 /// Sixteen queries: the paths to the face near in the mesh, or to any.
-void compare(const Material& material, families::Random& random, WalkBundle& bundle, Tally& tally) {
+void compare(const Material& material, test::Random& random, WalkBundle& bundle, Tally& tally) {
   const PathScene<3>& scene = material.scene();
   std::array<PathQuery<3>, kPointGroup> queries;
   std::array<Candidate<3>, kPointGroup> candidates;
@@ -93,7 +93,7 @@ void compare(const Material& material, families::Random& random, WalkBundle& bun
 }
 
 Tally compare_many(const Material& material) {
-  families::Random random(test::seed(7));
+  test::Random random(test::seed(7));
   WalkBundle bundle(material.scene());
   Tally tally;
   for (std::int64_t i = 0; i < test::scaled(2000) && !testing::Test::HasFatalFailure(); ++i)

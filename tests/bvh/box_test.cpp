@@ -7,7 +7,7 @@
 namespace selvage {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kFloatInfinity = std::numeric_limits<float>::infinity();
 constexpr float kLargest = std::numeric_limits<float>::max();
 constexpr float kSmallest = std::numeric_limits<float>::denorm_min();
 
@@ -20,12 +20,12 @@ TEST(Rounding, FloatsStayWhatTheyAre) {
 
 TEST(Rounding, BeyondTheFloatsIsInfinite) {
   EXPECT_EQ(round_down(1e300), kLargest);
-  EXPECT_EQ(round_up(1e300), kInfinity);
-  EXPECT_EQ(round_down(-1e300), -kInfinity);
+  EXPECT_EQ(round_up(1e300), kFloatInfinity);
+  EXPECT_EQ(round_down(-1e300), -kFloatInfinity);
   EXPECT_EQ(round_up(-1e300), -kLargest);
   const double just_above = std::nextafter(double{kLargest}, 1e300);
   EXPECT_EQ(round_down(just_above), kLargest);
-  EXPECT_EQ(round_up(just_above), kInfinity);
+  EXPECT_EQ(round_up(just_above), kFloatInfinity);
 }
 
 TEST(Rounding, NextToZero) {
@@ -42,7 +42,7 @@ TEST(Rounding, IsOutwardAndTightAtAllMagnitudes) {
     const float below = round_down(x), above = round_up(x);
     ASSERT_LE(below, x);
     ASSERT_GE(above, x);
-    ASSERT_TRUE(below == above || std::nextafterf(below, kInfinity) == above) << x;
+    ASSERT_TRUE(below == above || std::nextafterf(below, kFloatInfinity) == above) << x;
   }
 }
 
@@ -54,7 +54,7 @@ TEST(BoundingBox, HoldsItsPointsInSpaceAndPlane) {
       EXPECT_LE(box.lower[axis], point[axis]);
       EXPECT_GE(box.upper[axis], point[axis]);
     }
-  EXPECT_EQ(box.upper[2], kInfinity);
+  EXPECT_EQ(box.upper[2], kFloatInfinity);
   const std::vector<Vec2> plane = {{1, 2}, {3, -4}};
   EXPECT_EQ(bounding_box<2>(std::span<const Vec2>(plane)), (Box{{1, -4, 0}, {3, 2, 0}}));
   EXPECT_EQ(bounding_box<3>({}), Box::empty());

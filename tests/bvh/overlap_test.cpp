@@ -37,7 +37,7 @@ struct PairVariant {
   decltype(&baseline::list_self_pairs) list_self_pairs;
 };
 
-std::vector<PairVariant> usable_variants() {
+std::vector<PairVariant> usable_pair_variants() {
   std::vector<PairVariant> variants = {{"scalar", Isa::baseline, &scalar::list_pairs, &scalar::list_self_pairs},
                                        {"baseline", Isa::baseline, &baseline::list_pairs, &baseline::list_self_pairs},
                                        {"avx2", Isa::avx2, &avx2::list_pairs, &avx2::list_self_pairs},
@@ -58,7 +58,7 @@ TEST_P(Overlap, FindsAllPairsOfTwoTrees) {
     const Bvh tree_a(a), tree_b(b);
     const auto expected = brute_force_pairs(a, b);
     EXPECT_EQ(overlapping_pairs(tree_a, tree_b), expected);
-    for (const PairVariant& variant : usable_variants()) {
+    for (const PairVariant& variant : usable_pair_variants()) {
       auto found = variant.list_pairs(tree_a, tree_b);
       std::sort(found.begin(), found.end());
       ASSERT_EQ(found, expected) << variant.name;
@@ -76,7 +76,7 @@ TEST_P(Overlap, FindsEachPairOfOneTreeOnce) {
       bvh.refit(boxes);
       const auto expected = brute_force_self_pairs(boxes);
       EXPECT_EQ(self_overlapping_pairs(bvh), expected);
-      for (const PairVariant& variant : usable_variants()) {
+      for (const PairVariant& variant : usable_pair_variants()) {
         auto found = variant.list_self_pairs(bvh);
         std::sort(found.begin(), found.end());
         ASSERT_EQ(found, expected) << variant.name;

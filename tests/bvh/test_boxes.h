@@ -4,23 +4,11 @@
 
 #include <cmath>
 #include <functional>
-#include <random>
 #include <string>
 
+#include "random.h"
+
 namespace selvage::test {
-
-/// Random numbers that are the same with every standard library.
-class Random {
- public:
-  explicit Random(std::uint32_t seed) : engine_(seed) {}
-  /// In [0, 1).
-  double unit() { return engine_() / 4294967296.0; }
-  double within(double low, double high) { return low + (high - low) * unit(); }
-  Index below(Index n) { return static_cast<Index>(unit() * n); }
-
- private:
-  std::mt19937 engine_;
-};
 
 using Boxes = std::vector<Box>;
 
@@ -133,7 +121,7 @@ inline long double squared_distance(const Box& a, const Box& b) {
   for (int axis = 0; axis < 3; ++axis) {
     const long double below = static_cast<long double>(a.lower[axis]) - b.upper[axis];
     const long double above = static_cast<long double>(b.lower[axis]) - a.upper[axis];
-    const long double gap = std::max({below, above, 0.0L});
+    const long double gap = std::max({0.0L, below, above});  // 0 where both ends are the same infinity
     sum += gap * gap;
   }
   return sum;

@@ -39,8 +39,8 @@ TEST_F(CheckTest, JsonHasTheSchema) {
   EXPECT_EQ(result["schema"], 1);
   EXPECT_EQ(result["kind"], "discrete");
   EXPECT_EQ(result["method"], "auto");
-  EXPECT_EQ(result["triangle_pairs"], json::parse("[[0,1],[0,2]]"));
-  EXPECT_EQ(result["contacts"], json::parse("[\"crossing\",\"touching\"]"));
+  EXPECT_EQ(result["triangle_pairs"], nlohmann::ordered_json::parse("[[0,1],[0,2]]"));
+  EXPECT_EQ(result["contacts"], nlohmann::ordered_json::parse("[\"crossing\",\"touching\"]"));
   EXPECT_EQ(result["statistics"]["triangles"], 4);
   EXPECT_EQ(result["statistics"]["pairs"], 2);
   EXPECT_TRUE(result["seconds"].contains("pairs"));

@@ -17,17 +17,17 @@ TEST_F(Resolve, WritesTheMeshAndSaysWhatItDid) {
   EXPECT_EQ(run_well("check out.t").status, 0);
   EXPECT_EQ(read_mesh(file("out.t")).tetrahedra, read_mesh(file("tangled.vtu")).tetrahedra);
 
-  const auto json = nlohmann::json::parse(read_text(file("report.json")));
-  EXPECT_EQ(json["schema"], 1);
-  EXPECT_EQ(json["kind"], "resolve");
-  EXPECT_EQ(json["outcome"], "resolved");
-  EXPECT_GT(json["before"]["triangle_pairs"], 0);
-  EXPECT_EQ(json["after"]["triangle_pairs"], 0);
-  EXPECT_EQ(json["after"]["penetrating_vertices"], 0);
-  EXPECT_EQ(json["iterations"][0], json["before"]);
-  EXPECT_EQ(json["iterations"].back(), json["after"]);
-  EXPECT_GT(json["displacement"]["max"], 0);
-  EXPECT_TRUE(json["tangled_elements"].empty());
+  const auto report = nlohmann::json::parse(read_text(file("report.json")));
+  EXPECT_EQ(report["schema"], 1);
+  EXPECT_EQ(report["kind"], "resolve");
+  EXPECT_EQ(report["outcome"], "resolved");
+  EXPECT_GT(report["before"]["triangle_pairs"], 0);
+  EXPECT_EQ(report["after"]["triangle_pairs"], 0);
+  EXPECT_EQ(report["after"]["penetrating_vertices"], 0);
+  EXPECT_EQ(report["iterations"][0], report["before"]);
+  EXPECT_EQ(report["iterations"].back(), report["after"]);
+  EXPECT_GT(report["displacement"]["max"], 0);
+  EXPECT_TRUE(report["tangled_elements"].empty());
   EXPECT_EQ(run_well("resolve tangled.vtu -o again.t -q --threads 1").out, "");
   EXPECT_EQ(read_text(file("again.t")), read_text(file("out.t")));
 }
@@ -43,10 +43,10 @@ TEST_F(Resolve, SaysWhatIsStuckAndWritesNoMesh) {
   expect_refused("resolve tangled.vtu -o out.vtu --pin-box -9 -9 -9 9 9 9 --patience 3 --json report.json", 3,
                  {"tangled.vtu: is stuck after 3 iterations", "pairs of triangles", "elements in the way"});
   EXPECT_EQ(files(), (std::vector<std::string>{"report.json", "tangled.vtu"}));
-  const auto json = nlohmann::json::parse(read_text(file("report.json")));
-  EXPECT_EQ(json["outcome"], "stuck");
-  EXPECT_FALSE(json["tangled_elements"].empty());
-  EXPECT_EQ(json["displacement"]["moved_vertices"], 0);
+  const auto report = nlohmann::json::parse(read_text(file("report.json")));
+  EXPECT_EQ(report["outcome"], "stuck");
+  EXPECT_FALSE(report["tangled_elements"].empty());
+  EXPECT_EQ(report["displacement"]["moved_vertices"], 0);
   expect_refused("resolve tangled.vtu -o out.vtu --max-displacement 0.001 --patience 3", 3, {"is stuck"});
   expect_refused("resolve tangled.vtu -o out.vtu --iterations 1", 3, {"is not resolved after 1 iterations"});
 }

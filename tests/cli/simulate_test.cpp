@@ -30,10 +30,10 @@ TEST_F(Simulate, WritesTheRunAndSaysWhatItDid) {
                            "run/statistics.csv", "run/summary.json", "run/frames.pvd"})
     EXPECT_TRUE(fs::exists(file(name))) << name;
   EXPECT_EQ(run_well("simulate blocks.json -o run --frames 4 --resume --quiet").out, "");
-  const auto json = nlohmann::json::parse(run_well("simulate blocks.json -o run --resume --frames 5 --json -").out);
-  EXPECT_EQ(json["schema"], 1);
-  EXPECT_EQ(json["frames"], 5);
-  EXPECT_EQ(json["vertices"], 250);
+  const auto report = nlohmann::json::parse(run_well("simulate blocks.json -o run --resume --frames 5 --json -").out);
+  EXPECT_EQ(report["schema"], 1);
+  EXPECT_EQ(report["frames"], 5);
+  EXPECT_EQ(report["vertices"], 250);
   EXPECT_EQ(lines_of(read_text(file("run/statistics.csv"))).size(), 7u);
 }
 

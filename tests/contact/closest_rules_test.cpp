@@ -73,7 +73,7 @@ TEST(ClosestRules, EuclideanIsTheClosestOfAllFacesOfTheOtherObject) {
   const TetMesh mesh = solid.mesh();
   EuclideanRule rule(mesh, {});
   rule.place(solid.positions);
-  solids::Random random(test::seed(1));
+  test::Random random(test::seed(1));
   const Index half = mesh.element_count() / 2;
   for (std::int64_t n = 0; n < test::scaled(200); ++n) {
     const Vec3 point = random.vector(2);

@@ -21,8 +21,8 @@
 namespace selvage {
 namespace {
 
-using solids::Random;
 using solids::Solid;
+using test::Random;
 using test::scaled;
 using test::seed;
 using Positions = std::vector<Vec3>;

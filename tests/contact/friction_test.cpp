@@ -39,7 +39,7 @@ TEST(Friction, IsNothingWithoutMotionNormalForceOrCoefficients) {
 }
 
 TEST(Friction, IsAcrossTheNormalAgainstTheMotionAndWithinItsLimits) {
-  solids::Random random(test::seed(1));
+  test::Random random(test::seed(1));
   for (std::int64_t n = 0; n < test::scaled(10000); ++n) {
     const Vec3 normal = random.vector(1).normalized(), displacement = random.vector(2);
     const double correction = random.unit(), dynamic_friction = random.unit();
@@ -76,7 +76,7 @@ TEST(Friction, HoldsByAllThatWasPressedInTheStep) {
 
 /// However a step's pressing and sliding are divided among projections, the last leaves the same.
 TEST(Friction, IsTheSameHoweverManyProjections) {
-  solids::Random random(test::seed(2));
+  test::Random random(test::seed(2));
   for (std::int64_t n = 0; n < test::scaled(1000); ++n) {
     const Vec3 normal = random.vector(1).normalized();
     const Friction friction{0.6, 0.6};

@@ -13,7 +13,7 @@
 namespace selvage {
 namespace {
 
-using solids::Random;
+using test::Random;
 using Positions = std::vector<Vec3>;
 
 /// A triangle on the ground that looks up (0, 1, 2), and one whose vertex 3 is the point.

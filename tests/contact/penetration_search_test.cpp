@@ -18,8 +18,8 @@
 namespace selvage {
 namespace {
 
-using solids::Random;
 using solids::Solid;
+using test::Random;
 using test::scaled;
 using test::seed;
 

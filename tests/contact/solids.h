@@ -4,26 +4,13 @@
 #include "selvage/mesh/simplex_mesh.h"
 
 #include <functional>
-#include <random>
 #include <string>
+
+#include "random.h"
 
 namespace selvage::solids {
 
-/// Random numbers that are the same with every standard library.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
-  double unit() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
-  double within(double low, double high) { return low + (high - low) * unit(); }
-  Vec3 vector(double reach) {
-    const double x = within(-reach, reach), y = within(-reach, reach), z = within(-reach, reach);
-    return {x, y, z};
-  }
-  Index below(Index n) { return static_cast<Index>(engine_() % static_cast<std::uint64_t>(n)); }
-
- private:
-  std::mt19937_64 engine_;
-};
+using test::Random;
 
 /// A solid in one pose.
 struct Solid {

@@ -35,7 +35,7 @@ Containment locate_slowly(const Simplex& simplex, const Point& p, Orientation&& 
 /// A lattice simplex, now and then flat or with equal vertices, and a point on one of its features or beside it. All
 /// simplex coordinates are multiples of 12, so that midpoints and centroids of up to 4 vertices are lattice points.
 template <int D>
-void compare_with_lattice(std::uint64_t seed, std::int64_t count, int low_exponent, int high_exponent) {
+void locate_on_lattice(std::uint64_t seed, std::int64_t count, int low_exponent, int high_exponent) {
   RandomSource random(seed);
   std::int64_t wrong = 0, inside = 0, on_feature = 0, flat = 0;
   for (std::int64_t n = 0; n < count; ++n) {
@@ -71,20 +71,20 @@ void compare_with_lattice(std::uint64_t seed, std::int64_t count, int low_expone
 }
 
 TEST(LocateInSimplex, TrianglesEqualIntegersOnLattice) {
-  compare_with_lattice<2>(1, scaled(3'000'000), -60, 60);
+  locate_on_lattice<2>(1, scaled(3'000'000), -60, 60);
 }
 TEST(LocateInSimplex, TetrahedraEqualIntegersOnLattice) {
-  compare_with_lattice<3>(2, scaled(3'000'000), -60, 60);
+  locate_on_lattice<3>(2, scaled(3'000'000), -60, 60);
 }
 TEST(LocateInSimplex, TrianglesAtAnyMagnitude) {
-  compare_with_lattice<2>(3, scaled(200'000), -1074, 1010);
+  locate_on_lattice<2>(3, scaled(200'000), -1074, 1010);
 }
 TEST(LocateInSimplex, TetrahedraAtAnyMagnitude) {
-  compare_with_lattice<3>(4, scaled(200'000), -1074, 1010);
+  locate_on_lattice<3>(4, scaled(200'000), -1074, 1010);
 }
 
 template <int D>
-void compare_with_rationals(std::uint64_t seed, std::int64_t count) {
+void locate_by_rationals(std::uint64_t seed, std::int64_t count) {
   RandomSource random(seed);
   std::int64_t inside = 0;
   for (std::int64_t n = 0; n < count; ++n) {
@@ -116,10 +116,10 @@ void compare_with_rationals(std::uint64_t seed, std::int64_t count) {
 }
 
 TEST(LocateInSimplex, TrianglesEqualRationals) {
-  compare_with_rationals<2>(5, scaled(50'000));
+  locate_by_rationals<2>(5, scaled(50'000));
 }
 TEST(LocateInSimplex, TetrahedraEqualRationals) {
-  compare_with_rationals<3>(6, scaled(50'000));
+  locate_by_rationals<3>(6, scaled(50'000));
 }
 
 TEST(LocateInSimplex, EveryFeatureOfATetrahedronInEveryOrder) {

@@ -60,7 +60,7 @@ LatticePair random_pair(RandomSource& random, std::int64_t range) {
 }
 
 /// Compares with the definition on lattices scaled by powers of two, both ways round.
-void compare_with_lattice(std::uint64_t seed, std::int64_t count, int low_exponent, int high_exponent) {
+void compare_contacts_on_lattice(std::uint64_t seed, std::int64_t count, int low_exponent, int high_exponent) {
   RandomSource random(seed);
   std::int64_t wrong = 0;
   Counts seen{};
@@ -81,10 +81,10 @@ void compare_with_lattice(std::uint64_t seed, std::int64_t count, int low_expone
 }
 
 TEST(TriangleContact, EqualsTheDefinitionOnCoarseLattices) {
-  compare_with_lattice(1, scaled(300'000), -60, 60);
+  compare_contacts_on_lattice(1, scaled(300'000), -60, 60);
 }
 TEST(TriangleContact, EqualsTheDefinitionAtAnyMagnitude) {
-  compare_with_lattice(2, scaled(50'000), -1074, 1015);
+  compare_contacts_on_lattice(2, scaled(50'000), -1074, 1015);
 }
 
 /// Coordinates in {0, 1} or {0, 1, 2}: mostly degenerate, coplanar or with equal vertices.

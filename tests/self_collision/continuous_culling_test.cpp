@@ -13,17 +13,17 @@ namespace selvage {
 
 namespace {
 
-using surfaces::Random;
 using surfaces::Surface;
+using test::Random;
 using test::scaled;
 using Positions = std::vector<Vec3>;
 
-constexpr CullingMethod kAccurate[] = {CullingMethod::kNormalCone, CullingMethod::kEnhancedDualCone,
-                                       CullingMethod::kAuto};
+constexpr CullingMethod kAccurateForSteps[] = {CullingMethod::kNormalCone, CullingMethod::kEnhancedDualCone,
+                                               CullingMethod::kAuto};
 constexpr CullingMethod kPublished[] = {CullingMethod::kDualCone, CullingMethod::kDualConeInternal,
                                         CullingMethod::kEnhancedDualConePublished};
 
-SelfCollisionOptions by(CullingMethod method) {
+SelfCollisionOptions moving_by(CullingMethod method) {
   SelfCollisionOptions options;
   options.method = method;
   return options;
@@ -32,12 +32,12 @@ SelfCollisionOptions by(CullingMethod method) {
 ContinuousPairs pairs_by(CullingMethod method, const Surface& start, const Positions& end,
                          ContinuousCounters* counters = nullptr) {
   const TriangleMesh mesh = start.mesh();
-  return ContinuousCollisionFinder(mesh, start.positions, end, by(method)).find_pairs(counters);
+  return ContinuousCollisionFinder(mesh, start.positions, end, moving_by(method)).find_pairs(counters);
 }
 
 void expect_all_agree(const Surface& start, const Positions& end) {
   const ContinuousPairs expected = pairs_by(CullingMethod::kBvh, start, end);
-  for (const CullingMethod method : kAccurate)
+  for (const CullingMethod method : kAccurateForSteps)
     ASSERT_EQ(pairs_by(method, start, end), expected) << culling_method_names()[static_cast<int>(method)];
 }
 
@@ -82,7 +82,7 @@ TEST(ContinuousCulling, ChangesNoAnswerOnWavedSheets) {
     ASSERT_EQ(none.cleared_triangles, 0);
     for (int m = 0; m < 3; ++m) {
       ContinuousCounters counters;
-      ASSERT_EQ(pairs_by(kAccurate[m], start, end, &counters), expected) << n;
+      ASSERT_EQ(pairs_by(kAccurateForSteps[m], start, end, &counters), expected) << n;
       cleared[m] += counters.cleared_triangles;
     }
     triangles += std::ssize(start.triangles);
@@ -97,8 +97,8 @@ TEST(ContinuousCulling, FollowsNewSteps) {
   for (std::int64_t n = 0; n < scaled(30); ++n) {
     const Surface first = surfaces::waved_sheet(random);
     const TriangleMesh mesh = first.mesh();
-    for (const CullingMethod method : kAccurate) {
-      ContinuousCollisionFinder finder(mesh, first.positions, first.positions, by(method));
+    for (const CullingMethod method : kAccurateForSteps) {
+      ContinuousCollisionFinder finder(mesh, first.positions, first.positions, moving_by(method));
       Surface start = first;
       for (int step = 0; step < 3; ++step) {
         const Positions end = step_from(start, 0.2 * step, random);
@@ -116,7 +116,7 @@ TEST(ContinuousCulling, IsTheSameForAnyNumberOfThreads) {
   for (int n = 0; n < 5; ++n) {
     const Surface start = surfaces::waved_sheet(random);
     const Positions end = step_from(start, 0.3, random);
-    for (const CullingMethod method : kAccurate) {
+    for (const CullingMethod method : kAccurateForSteps) {
       ContinuousCounters one_thread, many;
       ContinuousPairs pairs;
       {
@@ -137,11 +137,11 @@ TEST(ContinuousCulling, SeesWhatHappensBetweenTheEnds) {
   Positions end = start.positions;
   for (Vec3& x : end) x[0] = 9 - x[0];
   ContinuousCounters still, turned;
-  for (const CullingMethod method : kAccurate) {
+  for (const CullingMethod method : kAccurateForSteps) {
     EXPECT_TRUE(pairs_by(method, start, start.positions, &still).empty());
     EXPECT_FALSE(pairs_by(method, start, end, &turned).empty());
   }
-  EXPECT_EQ(still.cleared_triangles, std::ssize(kAccurate) * std::ssize(start.triangles));
+  EXPECT_EQ(still.cleared_triangles, std::ssize(kAccurateForSteps) * std::ssize(start.triangles));
   EXPECT_EQ(turned.cleared_triangles, 0);
   ASSERT_NO_FATAL_FAILURE(expect_all_agree(start, end));
 }

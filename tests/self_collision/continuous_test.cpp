@@ -25,8 +25,8 @@ void PrintTo(const EdgeEdgePair& pair, std::ostream* out) {
 
 namespace {
 
-using surfaces::Random;
 using surfaces::Surface;
+using test::Random;
 using test::scaled;
 using Positions = std::vector<Vec3>;
 

@@ -14,8 +14,8 @@ namespace selvage {
 
 namespace {
 
-using surfaces::Random;
 using surfaces::Surface;
+using test::Random;
 using test::scaled;
 using Pairs = std::vector<TrianglePair>;
 

@@ -11,8 +11,8 @@
 namespace selvage {
 namespace {
 
-using surfaces::Random;
 using surfaces::Surface;
+using test::Random;
 using test::scaled;
 using Pairs = std::vector<TrianglePair>;
 using Keep = std::function<bool(Index, Index)>;

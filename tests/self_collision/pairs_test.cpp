@@ -18,8 +18,8 @@ void PrintTo(const TrianglePair& pair, std::ostream* out) {
 
 namespace {
 
-using surfaces::Random;
 using surfaces::Surface;
+using test::Random;
 using test::scaled;
 using Pairs = std::vector<TrianglePair>;
 

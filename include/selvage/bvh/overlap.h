@@ -34,6 +34,9 @@ struct PairWork {
   std::int64_t compared_selves = 0;  ///< those of a node with itself
 };
 
+/// Pieces enough to keep threads busy where pieces differ in size.
+inline constexpr std::size_t kPairPieces = 512;
+
 /// Cuts the search for overlapping pairs into at least `wanted` pieces, where there are as many; for a visit_pairs() or
 /// visit_self_pairs() of each piece in parallel. The same pieces in the same order, whatever the number of threads.
 PairWork split_pair_work(const Bvh& a, const Bvh& b, std::size_t wanted);

@@ -16,6 +16,9 @@
 
 namespace selvage {
 
+/// Items of one task, where an item is a vertex, a face or an element and takes some tens of nanoseconds.
+inline constexpr std::int64_t kGrain = 4096;
+
 namespace detail {
 
 /// True in builds for the thread sanitizer. Debian's oneTBB is built without it, so that the sanitizer sees no order
