@@ -3,7 +3,6 @@
 #include "selvage/boundary_path/boundary_path.h"
 #include "selvage/simulation/run.h"
 #include "simulation/json_value.h"
-#include "test_scale.h"
 
 #include <gtest/gtest.h>
 
@@ -172,7 +171,6 @@ const Changes kTwoOctopi{{"/bodies/0/instances/grid/counts", "[1, 1, 2]"},
 class SmallScenes : public testing::TestWithParam<SmallScene> {};
 
 TEST_P(SmallScenes, EndWholeAndHardlyInsideThemselves) {
-  if (test::scaled(100) < 100) GTEST_SKIP() << "takes minutes with a sanitizer";
   Play play(load(GetParam().name, GetParam().changes));
   play.run_frames(GetParam().frames);
   EXPECT_GT(play.contacts(), GetParam().contacts);
@@ -222,7 +220,6 @@ INSTANTIATE_TEST_SUITE_P(
 
 /// Of radius 0.5 without its tentacles, by plates that come to 0.1 from its middle.
 TEST(SceneRuns, AFlattenedBallReturnsToItsShape) {
-  if (test::scaled(100) < 100) GTEST_SKIP() << "takes minutes with a sanitizer";
   Play play(load("flattened_ball", {{"/bodies/0/mesh/tentacles", "6"}, {"/bodies/0/mesh/elements", "3000"}}));
   const std::vector<Vec3> rest = play.state().positions;
   play.run_frames(31);
