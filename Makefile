@@ -80,11 +80,11 @@ docs:
 ## format      lay out all sources by .clang-format
 format:
 	$(INSTALL) lint
-	clang-format -i $(SOURCES)
+	@clang-format -i $(SOURCES)
 
 check-format:
 	$(INSTALL) lint
-	clang-format --dry-run -Werror $(SOURCES)
+	@clang-format --dry-run -Werror $(SOURCES)
 
 ## lint        clang-tidy over all sources
 lint: build-tests

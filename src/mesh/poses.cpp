@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "mesh/plane_curve.h"
+#include "mesh/position_extent.h"
 #include "selvage/core/error.h"
 #include "selvage/core/parallel.h"
 
@@ -15,23 +16,6 @@ namespace selvage {
 namespace {
 
 using std::numbers::pi;
-
-struct Extent {
-  Vec3 low, high;
-
-  Vec3 size() const { return high - low; }
-  Vec3 middle() const { return (low + high) / 2; }
-};
-
-Extent extent_of(std::span<const Vec3> positions) {
-  if (positions.empty()) throw Error("", "there are no vertices to pose", "give a mesh with vertices");
-  Extent extent{positions[0], positions[0]};
-  for (const Vec3& p : positions) {
-    extent.low = extent.low.cwiseMin(p);
-    extent.high = extent.high.cwiseMax(p);
-  }
-  return extent;
-}
 
 void check_finite(std::string_view name, double value) {
   if (!std::isfinite(value)) throw Error(name, fmt::format("{} is not finite", value), "use a finite number");
@@ -43,15 +27,18 @@ void check_axis(int axis) {
 
 /// A mesh seen along the axis that a pose bends: its length, and half its thickness in the direction it bends to.
 struct Bar {
-  Extent extent;
+  PositionExtent<3> extent;
   int axis, across;
   double length, half_thickness;
+
+  Vec3 middle() const { return (extent.lower + extent.upper) / 2; }
 };
 
 Bar bar_of(std::span<const Vec3> positions, int axis) {
   check_axis(axis);
-  Bar bar{extent_of(positions), axis, (axis + 1) % 3, 0, 0};
-  const Vec3 size = bar.extent.size();
+  if (positions.empty()) throw Error("", "there are no vertices to pose", "give a mesh with vertices");
+  Bar bar{extent_of<3>(positions), axis, (axis + 1) % 3, 0, 0};
+  const Vec3 size = bar.extent.upper - bar.extent.lower;
   // The thinner axis; among equals the next one, whatever rounding says.
   if (size[(axis + 2) % 3] < 0.999 * size[bar.across]) bar.across = (axis + 2) % 3;
   bar.length = size[axis];
@@ -74,10 +61,10 @@ void lay_along(std::span<Vec3> positions, const Bar& bar, double largest_curvatu
   }
   const PlaneCurve curve(bar.length, angle);
   const Vec2 origin = curve.point(bar.length / 2);
-  const Vec3 middle = bar.extent.middle();
+  const Vec3 middle = bar.middle();
   parallel_for(static_cast<std::int64_t>(positions.size()), kGrain, [&](std::int64_t i) {
     Vec3& p = positions[i];
-    const double s = p[bar.axis] - bar.extent.low[bar.axis], u = p[bar.across] - middle[bar.across];
+    const double s = p[bar.axis] - bar.extent.lower[bar.axis], u = p[bar.across] - middle[bar.across];
     const Vec2 tangent = curve.tangent(s);
     const Vec2 place = curve.point(s) - origin + u * Vec2(-tangent[1], tangent[0]);
     p[bar.axis] = middle[bar.axis] + place[0];
@@ -91,7 +78,7 @@ void pose_twist(std::span<Vec3> positions, int axis, double turns) {
   check_finite("turns", turns);
   const Bar bar = bar_of(positions, axis);
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-  const Vec3 middle = bar.extent.middle();
+  const Vec3 middle = bar.middle();
   parallel_for(static_cast<std::int64_t>(positions.size()), kGrain, [&](std::int64_t i) {
     Vec3& p = positions[i];
     const double angle = 2 * pi * turns * (p[axis] - middle[axis]) / bar.length;
