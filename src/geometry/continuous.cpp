@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 #include "geometry/continuous_exact.h"
@@ -28,6 +29,15 @@ std::array<TimePart, 2> halves(const TimePart& part) {
   const int middle_step = part.first_step + (part.last_step - part.first_step) / 2;
   return {TimePart{part.first_step, middle_step, {a, ab, abc, middle}},
           TimePart{middle_step, part.last_step, {middle, bcd, cd, d}}};
+}
+
+/// The part up to a step, by the same algorithm.
+TimePart beginning(const TimePart& part, int last_step) {
+  const auto& [a, b, c, d] = part.volume;
+  const double s = static_cast<double>(last_step - part.first_step) / (part.last_step - part.first_step), r = 1 - s;
+  const double ab = r * a + s * b, bc = r * b + s * c, cd = r * c + s * d;
+  const double abc = r * ab + s * bc, bcd = r * bc + s * cd;
+  return {part.first_step, last_step, {a, ab, abc, r * abc + s * bcd}};
 }
 
 /// A number known to lie within `radius` of `value`.
@@ -59,9 +69,9 @@ class TimeHalving {
       : pair_(pair), points_(points) {
     double largest = 0;
     for (double c : volume.coefficient) largest = std::max(largest, std::abs(c));
-    constexpr double kErrorOfHalvings = 0x1p-47;  // 3 roundings of 2^-53 for each of 20 halvings
-    constexpr double kLargestSum = 0x1p1000;      // sums of two do not overflow
-    volume_error_ = largest < kLargestSum ? volume.error + kErrorOfHalvings * largest : HUGE_VAL;
+    constexpr double kErrorOfParts = 0x1p-46;  // 3 roundings of 2^-53 for each of 20 halvings, 9 for a beginning
+    constexpr double kLargestSum = 0x1p1000;   // sums of two do not overflow
+    volume_error_ = largest < kLargestSum ? volume.error + kErrorOfParts * largest : HUGE_VAL;
     for (int i = 1; i < 4; ++i)
       for (int k = 0; k < 3; ++k) {
         start_[i][k] = points.t0[i][k] - points.t0[0][k];
@@ -72,6 +82,16 @@ class TimeHalving {
   Certainty decide(const TimePart& part) {
     parts_left_ = kMostParts;
     return decide_part(part);
+  }
+
+  /// Whether the sets meet, and in which step first.
+  struct FirstMeeting {
+    Certainty certainty;
+    int step;
+  };
+  FirstMeeting first_meeting(const TimePart& part) {
+    parts_left_ = kMostParts;
+    return first_in(part);
   }
 
   bool meets(const TimePart& part) {
@@ -137,15 +157,24 @@ class TimeHalving {
 
   int sign_of_volume(double value) const { return detail::certain_sign(value, volume_error_); }
 
-  Certainty decide_part(const TimePart& part) {
+  /// Whether the sets meet in the part, as far as that shows without halving it.
+  Certainty decide_at_once(const TimePart& part) const {
     const int start = sign_of_volume(part.volume[0]), end = sign_of_volume(part.volume[3]);
-    if (start != 0 && start == end && start == sign_of_volume(part.volume[1]) &&
-        start == sign_of_volume(part.volume[2]))
-      return Certainty::kNo;
+    if (start != 0 && is_of_sign(start, part)) return Certainty::kNo;
     const Certainty shadows = shadows_meet(part);
     if (shadows == Certainty::kNo) return Certainty::kNo;
-    if (shadows == Certainty::kYes && start * end < 0) return Certainty::kYes;
-    if (--parts_left_ <= 0 || part.last_step - part.first_step < 2) return Certainty::kUnknown;
+    return shadows == Certainty::kYes && start * end < 0 ? Certainty::kYes : Certainty::kUnknown;
+  }
+
+  bool is_of_sign(int sign, const TimePart& part) const {
+    return std::all_of(part.volume.begin(), part.volume.end(), [&](double v) { return sign_of_volume(v) == sign; });
+  }
+
+  bool may_halve(const TimePart& part) { return --parts_left_ > 0 && part.last_step - part.first_step >= 2; }
+
+  Certainty decide_part(const TimePart& part) {
+    const Certainty at_once = decide_at_once(part);
+    if (at_once != Certainty::kUnknown || !may_halve(part)) return at_once;
     Certainty result = Certainty::kNo;
     for (const TimePart& half : halves(part)) {
       const Certainty certainty = decide_part(half);
@@ -154,6 +183,31 @@ class TimeHalving {
     }
     return result;
   }
+
+  FirstMeeting first_in(const TimePart& part) {
+    const Certainty at_once = decide_at_once(part);
+    if (at_once == Certainty::kNo) return {at_once, 0};
+    if (at_once == Certainty::kYes)
+      if (const auto step = step_of_only_crossing(part)) return {at_once, *step};
+    if (!may_halve(part)) return {Certainty::kUnknown, 0};
+    for (const TimePart& half : halves(part))
+      if (const FirstMeeting first = first_in(half); first.certainty != Certainty::kNo) return first;
+    return {Certainty::kNo, 0};
+  }
+
+  /// The step in which a volume that changes its sign in the part does so first, if that is certain.
+  std::optional<int> step_of_only_crossing(const TimePart& part) const {
+    const int start = sign_of_volume(part.volume[0]);
+    TimePart before{part.first_step, part.first_step, {}};
+    TimePart until = part;
+    while (until.last_step - before.last_step > 1) {
+      const TimePart middle = beginning(part, before.last_step + (until.last_step - before.last_step) / 2);
+      ((middle.volume[3] < 0) == (start < 0) ? before : until) = middle;
+    }
+    const bool is_first = before.last_step == part.first_step || is_of_sign(start, before);
+    if (is_first && sign_of_volume(until.volume[3]) == -start) return before.last_step;
+    return std::nullopt;
+  }
 };
 
 TimePart whole_time(const VolumeOverTime& volume) {
@@ -161,16 +215,30 @@ TimePart whole_time(const VolumeOverTime& volume) {
   return {0, kTimeSteps, {c[0], c[1], c[2], c[3]}};
 }
 
-std::optional<double> first_impact(ContinuousPair pair, const MovingPoints& points) {
+/// The steps up to a time, and more to make a power of two of them, which halves well; 0: none.
+int steps_before(double time) {
+  if (!(time > 0)) return 0;
+  return time < 1 ? static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::ceil(time * kTimeSteps)))) : kTimeSteps;
+}
+
+std::optional<double> first_impact(ContinuousPair pair, const MovingPoints& points, double before) {
+  const int last_step = steps_before(before);
+  if (last_step == 0) return std::nullopt;
   const VolumeOverTime volume = detail::volume_over_time(points);
   TimeHalving halving(pair, points, volume);
-  TimePart part = whole_time(volume);
-  if (!halving.meets(part)) return std::nullopt;
-  while (part.last_step - part.first_step > 1) {
-    const auto [first, second] = halves(part);
-    part = halving.meets(first) ? first : second;
+  TimePart part = beginning(whole_time(volume), last_step);
+  auto [certainty, step] = halving.first_meeting(part);
+  if (certainty == Certainty::kNo) return std::nullopt;
+  if (certainty == Certainty::kUnknown) {
+    if (!meets_exactly(pair, points, 0, last_step)) return std::nullopt;
+    while (part.last_step - part.first_step > 1) {
+      const auto [first, second] = halves(part);
+      part = halving.meets(first) ? first : second;
+    }
+    step = part.first_step;
   }
-  return static_cast<double>(part.first_step) / kTimeSteps;
+  const double time = static_cast<double>(step) / kTimeSteps;
+  return time < before ? std::optional(time) : std::nullopt;
 }
 
 }  // namespace
@@ -187,14 +255,14 @@ bool edge_meets_edge_undecided(const MovingPoints& points, const VolumeOverTime&
 
 }  // namespace detail
 
-std::optional<double> vertex_face_impact(const MovingPoints& points) {
-  if (!vertex_meets_face(points)) return std::nullopt;
-  return first_impact(ContinuousPair::kVertexFace, points);
+std::optional<double> vertex_face_impact(const MovingPoints& points, double before) {
+  if (detail::apart_on_an_axis<1>(points)) return std::nullopt;
+  return first_impact(ContinuousPair::kVertexFace, points, before);
 }
 
-std::optional<double> edge_edge_impact(const MovingPoints& points) {
-  if (!edge_meets_edge(points)) return std::nullopt;
-  return first_impact(ContinuousPair::kEdgeEdge, points);
+std::optional<double> edge_edge_impact(const MovingPoints& points, double before) {
+  if (detail::apart_on_an_axis<2>(points)) return std::nullopt;
+  return first_impact(ContinuousPair::kEdgeEdge, points, before);
 }
 
 }  // namespace selvage

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
 
 namespace selvage {
@@ -34,13 +35,48 @@ void check_index(const char* what, Index i, Index count) {
     throw Error(fmt::format("{} {}", what, i), "is out of range", fmt::format("give one in [0, {})", count));
 }
 
-/// Times of first contact, in parallel.
-template <typename Pair, typename Impact>
-std::vector<double> impact_times(std::span<const Pair> pairs, Impact&& impact) {
+void check_pairs(const TriangleMesh& mesh, std::span<const VertexFacePair> pairs) {
+  for (const VertexFacePair& pair : pairs) {
+    check_index("vertex", pair.vertex, mesh.vertex_count());
+    check_index("face", pair.face, mesh.triangle_count());
+  }
+}
+
+void check_pairs(const TriangleMesh& mesh, std::span<const EdgeEdgePair> pairs) {
+  for (const EdgeEdgePair& pair : pairs) {
+    check_index("edge", pair.first, mesh.edge_count());
+    check_index("edge", pair.second, mesh.edge_count());
+  }
+}
+
+std::optional<double> impact_of(const ContinuousScene& scene, const VertexFacePair& pair, double before = 1) {
+  return vertex_face_impact(moving_points(scene, pair.vertex, pair.face), before);
+}
+
+std::optional<double> impact_of(const ContinuousScene& scene, const EdgeEdgePair& pair, double before = 1) {
+  return edge_edge_impact(moving_edges(scene, pair.first, pair.second), before);
+}
+
+constexpr std::int64_t kImpactsAtOnce = 64;
+
+template <typename Pair>
+std::vector<double> impact_times(const ContinuousScene& scene, std::span<const Pair> pairs) {
   std::vector<double> times(pairs.size());
-  parallel_for(std::ssize(pairs), 64,
-               [&](std::int64_t i) { times[i] = impact(pairs[i]).value_or(std::numeric_limits<double>::quiet_NaN()); });
+  parallel_for(std::ssize(pairs), kImpactsAtOnce, [&](std::int64_t i) {
+    times[i] = impact_of(scene, pairs[i]).value_or(std::numeric_limits<double>::quiet_NaN());
+  });
   return times;
+}
+
+/// Lowers `earliest` to the first impact of any of the pairs, each asked only about the time before what is known.
+template <typename Pair>
+void find_earliest(const ContinuousScene& scene, std::span<const Pair> pairs, std::atomic<double>& earliest) {
+  parallel_for(std::ssize(pairs), kImpactsAtOnce, [&](std::int64_t i) {
+    double known = earliest.load(std::memory_order_relaxed);
+    const auto time = impact_of(scene, pairs[i], known);
+    while (time && *time < known && !earliest.compare_exchange_weak(known, *time)) {
+    }
+  });
 }
 
 }  // namespace
@@ -177,30 +213,22 @@ bool ContinuousCollisionFinder::has_pairs(ContinuousCounters* counters) const {
 }
 
 std::vector<double> ContinuousCollisionFinder::find_impact_times(std::span<const VertexFacePair> pairs) const {
-  for (const VertexFacePair& pair : pairs) {
-    check_index("vertex", pair.vertex, state_->mesh.vertex_count());
-    check_index("face", pair.face, state_->mesh.triangle_count());
-  }
-  const ContinuousScene scene = state_->scene();
-  return impact_times(pairs, [&](const VertexFacePair& pair) {
-    return vertex_face_impact(moving_points(scene, pair.vertex, pair.face));
-  });
+  check_pairs(state_->mesh, pairs);
+  return impact_times(state_->scene(), pairs);
 }
 
 std::vector<double> ContinuousCollisionFinder::find_impact_times(std::span<const EdgeEdgePair> pairs) const {
-  for (const EdgeEdgePair& pair : pairs) {
-    check_index("edge", pair.first, state_->mesh.edge_count());
-    check_index("edge", pair.second, state_->mesh.edge_count());
-  }
-  const ContinuousScene scene = state_->scene();
-  return impact_times(
-      pairs, [&](const EdgeEdgePair& pair) { return edge_edge_impact(moving_edges(scene, pair.first, pair.second)); });
+  check_pairs(state_->mesh, pairs);
+  return impact_times(state_->scene(), pairs);
 }
 
 double ContinuousCollisionFinder::find_free_step(const ContinuousPairs& pairs) const {
-  double earliest = 1;
-  for (const double time : find_impact_times(pairs.vertex_face)) earliest = std::min(earliest, time);
-  for (const double time : find_impact_times(pairs.edge_edge)) earliest = std::min(earliest, time);
+  check_pairs(state_->mesh, pairs.vertex_face);
+  check_pairs(state_->mesh, pairs.edge_edge);
+  std::atomic<double> earliest = 1;
+  const ContinuousScene scene = state_->scene();
+  find_earliest(scene, std::span<const VertexFacePair>(pairs.vertex_face), earliest);
+  find_earliest(scene, std::span<const EdgeEdgePair>(pairs.edge_edge), earliest);
   return earliest;
 }
 

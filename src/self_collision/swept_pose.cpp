@@ -4,8 +4,6 @@
 
 namespace selvage {
 
-namespace {}  // namespace
-
 void SweptPose::place(const TriangleMesh& mesh, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1,
                       std::span<const double> thickness, const PoseFrame& frame) {
   const std::size_t count = positions_t0.size();

@@ -36,8 +36,8 @@ MovingPoints to_points(const LatticeMotion& lattice, double scale = 1) {
 bool meet(ContinuousPair pair, const MovingPoints& points) {
   return pair == kVertexFace ? vertex_meets_face(points) : edge_meets_edge(points);
 }
-std::optional<double> impact(ContinuousPair pair, const MovingPoints& points) {
-  return pair == kVertexFace ? vertex_face_impact(points) : edge_edge_impact(points);
+std::optional<double> impact(ContinuousPair pair, const MovingPoints& points, double before = 1) {
+  return pair == kVertexFace ? vertex_face_impact(points, before) : edge_edge_impact(points, before);
 }
 bool meet_by_definition(ContinuousPair pair, const test::ExactMotion& motion) {
   return pair == kVertexFace ? test::ever_meet_by_definition<1>(motion) : test::ever_meet_by_definition<2>(motion);
@@ -325,6 +325,10 @@ void compare_impact_with_definition(ContinuousPair pair, std::uint64_t seed, std
     if (step > 0) {
       EXPECT_FALSE(meet_by_definition(pair, part_of_time(lattice, 0, step - 1))) << "too late, input " << n;
     }
+    EXPECT_EQ(impact(pair, points, *found + 0x1p-30), found) << "input " << n;
+    EXPECT_EQ(impact(pair, points, (1 + 2 * *found) / 3), found) << "input " << n;
+    EXPECT_EQ(impact(pair, points, *found), std::nullopt) << "input " << n;
+    EXPECT_EQ(impact(pair, points, *found / 2), std::nullopt) << "input " << n;
   }
   if (count >= 300) {
     EXPECT_GT(met, count / 5);

@@ -18,11 +18,12 @@ struct MovingPoints {
 };
 
 /// The first time at which a moving vertex and a moving face meet: no later than the true one and at most 2^-20 (below
-/// 1e-6) earlier, never below 0. Nothing exactly when `vertex_meets_face` is false.
-std::optional<double> vertex_face_impact(const MovingPoints& points);
+/// 1e-6) earlier, never below 0. Nothing exactly when `vertex_meets_face` is false, or when that time is not below
+/// `before`: whoever looks for the earliest of many gives the earliest so far, and waits less.
+std::optional<double> vertex_face_impact(const MovingPoints& points, double before = 1);
 
 /// The same for two moving edges.
-std::optional<double> edge_edge_impact(const MovingPoints& points);
+std::optional<double> edge_edge_impact(const MovingPoints& points, double before = 1);
 
 // What follows is the fast path, here so that it inlines into loops and kernels; what it leaves open is out of line.
 namespace detail {
