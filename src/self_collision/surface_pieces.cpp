@@ -9,39 +9,26 @@ namespace selvage {
 
 namespace {
 
-/// Corner of a triangle as the mesh lists it that is corner k of the triangle as we do.
-int listed_corner(int k, bool turned) {
-  return turned ? (3 - k) % 3 : k;
+/// Number of the triangle's corner opposite an edge, as the mesh lists its corners.
+int opposite_corner(const TriangleMesh& mesh, Index triangle, Index edge) {
+  const auto& edges = mesh.triangle_edges()[triangle];
+  return edges[0] == edge ? 0 : edges[1] == edge ? 1 : 2;
 }
 
 /// Whether two triangles run along the edge between them in opposite directions, as the mesh lists them.
 bool do_agree(const TriangleMesh& mesh, Index edge, std::span<const Index> triangles) {
   bool forward[2];
   for (int side = 0; side < 2; ++side) {
-    const int opposite = static_cast<int>(
-        std::find(mesh.triangle_edges()[triangles[side]].begin(), mesh.triangle_edges()[triangles[side]].end(), edge) -
-        mesh.triangle_edges()[triangles[side]].begin());
+    const int opposite = opposite_corner(mesh, triangles[side], edge);
     forward[side] = mesh.triangles()[triangles[side]][(opposite + 1) % 3] == mesh.edges()[edge][0];
   }
   return forward[0] != forward[1];
 }
 
-bool do_all_agree(const TriangleMesh& mesh) {
-  std::atomic<bool> all = true;
-  parallel_for(mesh.edge_count(), 8192, [&](std::int64_t e) {
-    const auto triangles = mesh.edge_triangles(static_cast<Index>(e));
-    if (triangles.size() == 2 && !do_agree(mesh, static_cast<Index>(e), triangles))
-      all.store(false, std::memory_order_relaxed);
-  });
-  return all;
-}
-
 /// For each triangle whether it must be turned so that it agrees with its neighbours, each component starting from its
 /// first triangle.
 std::vector<char> find_turned(const TriangleMesh& mesh) {
-  std::vector<char> turned(mesh.triangle_count(), 0);
-  if (do_all_agree(mesh)) return turned;
-  std::vector<char> seen(mesh.triangle_count(), 0);
+  std::vector<char> turned(mesh.triangle_count(), 0), seen = turned;
   std::vector<Index> waiting;
   for (Index start = 0; start < mesh.triangle_count(); ++start) {
     if (seen[start]) continue;
@@ -115,8 +102,12 @@ SurfacePieces::SurfacePieces(const TriangleMesh& mesh, const Bvh& bvh) {
   if (bvh.nodes().empty()) return;
   const std::vector<Index> order = bvh.leaf_order();
   ranges_ = find_ranges(bvh.nodes());
-  turn_triangles(mesh, order);
-  link_edges(mesh, order);
+  place_triangles(mesh, order, {});
+  if (!link_edges(mesh, order, {})) {
+    const std::vector<char> turned = find_turned(mesh);
+    place_triangles(mesh, order, turned);
+    link_edges(mesh, order, turned);
+  }
   find_contours(bvh);
 }
 
@@ -127,31 +118,35 @@ int SurfacePieces::child_at(std::span<const BvhNode> nodes, Index node, Index pl
   return parent.child_count - (ranges_[node].last - place);
 }
 
-void SurfacePieces::turn_triangles(const TriangleMesh& mesh, std::span<const Index> order) {
-  const std::vector<char> turned = find_turned(mesh);
+void SurfacePieces::place_triangles(const TriangleMesh& mesh, std::span<const Index> order,
+                                    std::span<const char> turned) {
   triangles_.resize(order.size());
-  turned_.resize(order.size());
-  parallel_for(std::ssize(order), 8192, [&](std::int64_t place) {
-    turned_[place] = turned[order[place]];
-    for (int k = 0; k < 3; ++k) triangles_[place][k] = mesh.triangles()[order[place]][listed_corner(k, turned_[place])];
+  parallel_for(std::ssize(order), kGrain, [&](std::int64_t place) {
+    auto [a, b, c] = mesh.triangles()[order[place]];
+    if (!turned.empty() && turned[order[place]]) std::swap(b, c);
+    triangles_[place] = {a, b, c};
   });
 }
 
-void SurfacePieces::link_edges(const TriangleMesh& mesh, std::span<const Index> order) {
+bool SurfacePieces::link_edges(const TriangleMesh& mesh, std::span<const Index> order, std::span<const char> turned) {
   std::vector<Index> place_of(order.size());
   for (std::size_t place = 0; place < order.size(); ++place) place_of[order[place]] = static_cast<Index>(place);
-  const auto edge_at = [&](Index place, int i) {
-    return mesh.triangle_edges()[order[place]][listed_corner((i + 2) % 3, turned_[place])];
-  };
   opposite_.assign(3 * order.size(), kNone);
-  parallel_for(std::ssize(opposite_), 8192, [&](std::int64_t directed) {
-    const Index edge = static_cast<Index>(directed), place = edge / 3;
-    const auto triangles = mesh.edge_triangles(edge_at(place, edge % 3));
+  std::atomic<bool> all_agree = true;
+  parallel_for(mesh.edge_count(), kGrain, [&](std::int64_t edge) {
+    const auto triangles = mesh.edge_triangles(static_cast<Index>(edge));
     if (triangles.size() != 2) return;
-    const Index other = place_of[triangles[triangles[0] == order[place] ? 1 : 0]];
-    for (int i = 0; i < 3; ++i)
-      if (tail(3 * other + i) == head(edge) && head(3 * other + i) == tail(edge)) opposite_[edge] = 3 * other + i;
+    Index directed[2];
+    for (int side = 0; side < 2; ++side) {
+      const int listed = opposite_corner(mesh, triangles[side], static_cast<Index>(edge));
+      const int corner = !turned.empty() && turned[triangles[side]] ? (3 - listed) % 3 : listed;
+      directed[side] = 3 * place_of[triangles[side]] + (corner + 1) % 3;
+    }
+    if (tail(directed[0]) != head(directed[1])) return all_agree.store(false, std::memory_order_relaxed);
+    opposite_[directed[0]] = directed[1];
+    opposite_[directed[1]] = directed[0];
   });
+  return all_agree;
 }
 
 Index SurfacePieces::next_on_contour(Index edge, const Range& range) const {

@@ -59,8 +59,10 @@ class SurfacePieces {
 
  private:
   static Index next_in_triangle(Index edge) { return edge % 3 == 2 ? edge - 2 : edge + 1; }
-  void turn_triangles(const TriangleMesh& mesh, std::span<const Index> order);
-  void link_edges(const TriangleMesh& mesh, std::span<const Index> order);
+  /// @param turned  for each triangle of the mesh whether it is listed the other way round; empty: none is
+  void place_triangles(const TriangleMesh& mesh, std::span<const Index> order, std::span<const char> turned);
+  /// False where two triangles at an edge do not agree which side is which.
+  bool link_edges(const TriangleMesh& mesh, std::span<const Index> order, std::span<const char> turned);
   void find_contours(const Bvh& bvh);
   bool is_on_contour(Index edge, const Range& range) const {
     return opposite_[edge] == kNone || !range.holds(opposite_[edge] / 3);
@@ -68,7 +70,6 @@ class SurfacePieces {
   Index next_on_contour(Index edge, const Range& range) const;
 
   std::vector<TriangleMesh::Triangle> triangles_;
-  std::vector<char> turned_;  ///< at each place: the triangle is listed the other way round
   std::vector<Index> opposite_;
   std::vector<Range> ranges_;
   std::vector<Index> edges_, loops_;
