@@ -30,11 +30,15 @@ PathCounters& PathCounters::operator+=(const PathCounters& other) {
 namespace {
 
 /// Without under- or overflow, and the same bits wherever the vector lies in memory (Eigen's stableNorm is not).
-double length_of(const Vec2& x) {
-  return std::hypot(x[0], x[1]);
-}
-double length_of(const Vec3& x) {
-  return std::hypot(x[0], x[1], x[2]);
+template <int D>
+double length_of(const Vec<D>& x) {
+  double squared = 0;
+  for (int i = 0; i < D; ++i) squared += x[i] * x[i];
+  if (squared > 1e-250 && squared < 1e250) return std::sqrt(squared);
+  if constexpr (D == 2)
+    return std::hypot(x[0], x[1]);
+  else
+    return std::hypot(x[0], x[1], x[2]);
 }
 
 /// Multiplies by a power of two: by two factors, since the power itself may overflow.
@@ -179,7 +183,7 @@ Vec<D> BoundaryPathFinder<D>::State::normal_at(Index face, const PathResult<D>& 
                      });
     if (!(normal.norm() > 1e-12 * total)) normal = normal_of(face);
   }
-  const double length = length_of(normal);
+  const double length = length_of<D>(normal);
   return length > 0 ? Vec<D>(normal / length) : normal;
 }
 
@@ -200,7 +204,7 @@ BoundaryPath<D> BoundaryPathFinder<D>::State::describe(const PathTask<D>& task, 
         result.barycentric[i];
   path.point = from_scene(result.target_count == 1 ? pose.positions()[result.target_vertices[0]]
                                                    : Vec<D>(task.query.point + result.offset));
-  path.distance = from_scene(length_of(result.offset));
+  path.distance = from_scene(length_of<D>(result.offset));
   path.normal = normal_at(result.face, result);
   return path;
 }

@@ -6,6 +6,23 @@
 namespace selvage {
 inline namespace SELVAGE_ISA {
 
+/// Spheres around the boxes of a node's children, a little wider.
+struct ChildSpheres {
+  alignas(32) float middle[3][BvhNode::kWidth], radius[BvhNode::kWidth];
+
+  SELVAGE_INLINE explicit ChildSpheres(const BvhNode& node) {
+    const Float8 half = Float8::broadcast(0.5f);
+    Float8 squared_radius = Float8::broadcast(0);
+    for (int i = 0; i < 3; ++i) {
+      const Float8 lower = Float8::load(node.lower[i]), upper = Float8::load(node.upper[i]),
+                   extent = (upper - lower) * half;
+      ((lower + upper) * half).store(middle[i]);
+      squared_radius = squared_radius + extent * extent;
+    }
+    (sqrt(squared_radius) * Float8::broadcast(1.001f) + Float8::broadcast(1e-6f)).store(radius);
+  }
+};
+
 /// Lists for each lane the faces that may be its answer.
 template <int D>
 void GroupSearch<D>::collect_faces() {
@@ -13,22 +30,81 @@ void GroupSearch<D>::collect_faces() {
   for (std::size_t pair = 0; pair < faces_.count; pair += kWidth) look_at_faces(pair);
 }
 
+/// Nodes that most of the group comes to are visited once for all, others for each lane alone.
 template <int D>
 void GroupSearch<D>::walk_down() {
+  constexpr int kFew = 2;
   nodes_.count = faces_.count = 0;
-  if (scene_.face_nodes.empty()) return;
-  for (unsigned rest = present_; rest != 0; rest &= rest - 1) {
-    nodes_.items[nodes_.count] = 0;
-    nodes_.lanes[nodes_.count++] = lowest_lane(rest);
-  }
+  if (scene_.face_nodes.empty() || present_ == 0) return;
+  const traversal::WideBox reach = box_of_reach();
+  nodes_.items[0] = 0;
+  nodes_.lanes[nodes_.count++] = static_cast<Index>(present_);
   for (std::size_t next = 0; next < nodes_.count; ++next) {
-    nodes_.reserve();
-    faces_.reserve();
+    nodes_.reserve(kFew * BvhNode::kWidth);
+    faces_.reserve(kWidth * BvhNode::kWidth);
     const Index ahead = nodes_.items[next + kAhead < nodes_.count ? next + kAhead : next];
     traversal::prefetch_node(scene_.face_nodes[ahead]);
     for (std::size_t line = 0; line < sizeof(ConeNode); line += 64)
       prefetch(reinterpret_cast<const char*>(scene_.face_cones + ahead) + line);
-    visit(nodes_.items[next], nodes_.lanes[next]);
+    const Index place = nodes_.items[next];
+    const unsigned lanes = static_cast<unsigned>(nodes_.lanes[next]);
+    if (count_bits(lanes) > kFew)
+      visit_together(place, lanes, reach);
+    else
+      for (unsigned rest = lanes; rest != 0; rest &= rest - 1) visit(place, lowest_lane(rest));
+    if (searches_[0].counters() != nullptr)
+      for (unsigned rest = lanes; rest != 0; rest &= rest - 1)
+        ++searches_[lowest_lane(rest)].counters()->volumes_visited;
+  }
+}
+
+/// A box around all that is near enough to be an answer.
+template <int D>
+traversal::WideBox GroupSearch<D>::box_of_reach() const {
+  Box box = Box::empty();
+  for (unsigned rest = present_; rest != 0; rest &= rest - 1) {
+    const int lane = lowest_lane(rest);
+    const float radius = std::sqrt(limit_[lane]) * (1 + 0x1p-20f);
+    for (int i = 0; i < 3; ++i) {
+      // The sum is rounded, too.
+      const float lower = lower_[i][lane] - radius, upper = upper_[i][lane] + radius;
+      box.lower[i] = std::min(box.lower[i], lower - 0x1p-22f * std::abs(lower));
+      box.upper[i] = std::max(box.upper[i], upper + 0x1p-22f * std::abs(upper));
+    }
+  }
+  return traversal::WideBox(box);
+}
+
+template <int D>
+SELVAGE_INLINE void GroupSearch<D>::visit_together(Index place, unsigned lanes, const traversal::WideBox& reach) {
+  constexpr Index kLanes[kWidth] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+  const BvhNode& node = scene_.face_nodes[place];
+  const ConeNode& cones = scene_.face_cones[place];
+  const ChildSpheres spheres(node);
+  const Float16 limit = Float16::load(limit_);
+  for (unsigned rest = traversal::overlapping_children(node, reach); rest != 0; rest &= rest - 1) {
+    const int k = lowest_lane(rest);
+    Float16 squared = Float16::broadcast(0);
+    for (int i = 0; i < 3; ++i) {
+      const Float16 below = Float16::broadcast(node.lower[i][k]) - Float16::load(upper_[i]);
+      const Float16 above = Float16::load(lower_[i]) - Float16::broadcast(node.upper[i][k]);
+      const Float16 gap = max(max(below, above), Float16::broadcast(0));
+      squared = squared + gap * gap;
+    }
+    const unsigned wanted = less_equal(squared, limit, lanes) & ~(see_askew(spheres, cones, k) & culling_);
+    const Index child = node.children[k];
+    if (child < 0) {
+      nodes_.items[nodes_.count] = ~child;
+      nodes_.lanes[nodes_.count] = static_cast<Index>(wanted);
+      nodes_.count += wanted != 0;
+    } else {
+      for (const int half : {0, 8}) {
+        const unsigned some = wanted >> half & 0xffu;
+        store_packed(Int8::load(kLanes + half), some, faces_.lanes.data() + faces_.count);
+        Int8::broadcast(child).store(faces_.items.data() + faces_.count);
+        faces_.count += static_cast<std::size_t>(count_lanes(some));
+      }
+    }
   }
 }
 
@@ -47,23 +123,39 @@ SELVAGE_INLINE void GroupSearch<D>::visit(Index place, Index lane) {
   const unsigned nodes = negative(Int8::load(node.children));
   Index places[BvhNode::kWidth];
   (~Int8::load(node.children)).store(places);
-  nodes_.add(places, wanted & nodes, lane);
+  nodes_.add(places, wanted & nodes, 1 << lane);
   faces_.add(node.children, wanted & ~nodes, lane);
-  if (PathCounters* counters = searches_[lane].counters()) ++counters->volumes_visited;
+}
+
+/// Lanes that find no answer below a child: see seen_askew().
+template <int D>
+SELVAGE_INLINE unsigned GroupSearch<D>::see_askew(const ChildSpheres& spheres, const ConeNode& cones, int child) const {
+  const Float16 zero = Float16::broadcast(0);
+  Float16 along = zero, squared_length = zero, length_bound = zero;
+  for (int i = 0; i < 3; ++i) {
+    const Float16 from_middle = Float16::load(eye_[i]) - Float16::broadcast(spheres.middle[i][child]);
+    along = along + from_middle * Float16::broadcast(cones.axis[i][child]);
+    squared_length = squared_length + from_middle * from_middle;
+    length_bound = length_bound + max(from_middle, zero - from_middle);
+  }
+  const Float16 across = sqrt(max(squared_length - along * along, zero)) * Float16::broadcast(cones.cosine[child]);
+  const Float16 lift = along * Float16::broadcast(cones.sine[child]);
+  const Float16 radius = Float16::broadcast(spheres.radius[child]) + length_bound * Float16::broadcast(1e-3f);
+  const unsigned not_below = less_equal(radius, across + lift);
+  const unsigned not_above = less_equal(radius, across - lift);
+  return not_below & (not_above | (0u - (~cones.two_sided >> child & 1u)));
 }
 
 /// Children below which no answer lies: see ConeNode.
 template <int D>
 SELVAGE_INLINE unsigned GroupSearch<D>::seen_askew(const BvhNode& node, const ConeNode& cones, Index lane) const {
-  const Float8 zero = Float8::broadcast(0), half = Float8::broadcast(0.5f);
-  Float8 along = zero, squared_length = zero, squared_radius = zero, length_bound = zero;
+  const Float8 zero = Float8::broadcast(0);
+  const ChildSpheres spheres(node);
+  Float8 along = zero, squared_length = zero, length_bound = zero;
   for (int i = 0; i < 3; ++i) {
-    const Float8 lower = Float8::load(node.lower[i]), upper = Float8::load(node.upper[i]);
-    const Float8 from_middle = Float8::broadcast(eye_[i][lane]) - (lower + upper) * half,
-                 extent = (upper - lower) * half;
+    const Float8 from_middle = Float8::broadcast(eye_[i][lane]) - Float8::load(spheres.middle[i]);
     along = along + from_middle * Float8::load(cones.axis[i]);
     squared_length = squared_length + from_middle * from_middle;
-    squared_radius = squared_radius + extent * extent;
     length_bound = length_bound + max(from_middle, zero - from_middle);
   }
   // How far p is outside the cone of directions around the axis' opposite, opened at each point of the child's sphere.
@@ -71,8 +163,7 @@ SELVAGE_INLINE unsigned GroupSearch<D>::seen_askew(const BvhNode& node, const Co
   // difference, which loses half its digits.
   const Float8 across = sqrt(max(squared_length - along * along, zero)) * Float8::load(cones.cosine);
   const Float8 lift = along * Float8::load(cones.sine);
-  const Float8 radius = sqrt(squared_radius) * Float8::broadcast(1.001f) + length_bound * Float8::broadcast(1e-3f) +
-                        Float8::broadcast(1e-6f);
+  const Float8 radius = Float8::load(spheres.radius) + length_bound * Float8::broadcast(1e-3f);
   const unsigned not_below = less_equal(radius, across + lift);
   const unsigned not_above = less_equal(radius, across - lift);
   return not_below & (not_above | ~cones.two_sided);
@@ -128,7 +219,7 @@ SELVAGE_INLINE void GroupSearch<D>::look_at_faces(std::size_t first) {
     const int i = lowest_lane(rest);
     Waiting& waiting = waiting_[lanes[i]];
     waiting.squared_distance[waiting.count] = distances[i];
-    waiting.face[waiting.count++] = faces_.items[first + static_cast<std::size_t>(i)];
+    waiting.face[waiting.count++] = faces[i];
     if (waiting.count == Waiting::kMost) decide(lanes[i]);
   }
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace selvage {
 
@@ -66,6 +67,32 @@ struct CurvePlace {
   Index number;
 };
 
+/// Digit by digit, the last first. Stable: items at one place stay in their order, for any number of threads.
+void sort_along_curve(std::vector<CurvePlace>& items) {
+  constexpr int kDigit = 10, kDigits = 1 << kDigit;
+  constexpr std::int64_t kChunk = 1 << 15;
+  const std::int64_t count = std::ssize(items), chunks = (count + kChunk - 1) / kChunk;
+  std::vector<CurvePlace> sorted(items.size());
+  std::vector<std::array<Index, kDigits>> places(chunks);  ///< where each chunk's items with a digit go
+  const auto visit = [&](std::int64_t chunk, int shift, auto&& take) {
+    for (std::int64_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, count); ++i)
+      take(items[i], places[chunk][items[i].along >> shift & (kDigits - 1)]);
+  };
+  for (int shift = 0; shift < kBits * kAxes; shift += kDigit) {
+    parallel_for(chunks, 1, [&](std::int64_t chunk) {
+      places[chunk].fill(0);
+      visit(chunk, shift, [](const CurvePlace&, Index& number) { ++number; });
+    });
+    Index before = 0;
+    for (int digit = 0; digit < kDigits; ++digit)
+      for (auto& chunk : places) before += std::exchange(chunk[digit], before);
+    parallel_for(chunks, 1, [&](std::int64_t chunk) {
+      visit(chunk, shift, [&](const CurvePlace& item, Index& place) { sorted[place++] = item; });
+    });
+    items.swap(sorted);
+  }
+}
+
 }  // namespace
 
 void order_in_space(std::span<const std::array<float, 4>> places, std::span<Index> numbers) {
@@ -96,9 +123,7 @@ std::vector<Index> order_along_curve(std::span<const std::array<float, 6>> place
       along |= kSpread[static_cast<int>((within(places[i][axis]) - lower[axis]) * scale)] << axis;
     items[i] = {along, static_cast<Index>(i)};
   }
-  parallel_sort(items.begin(), items.end(), [](const CurvePlace& a, const CurvePlace& b) {
-    return a.along < b.along || (a.along == b.along && a.number < b.number);
-  });
+  sort_along_curve(items);
   std::vector<Index> numbers(items.size());
   for (std::size_t i = 0; i < items.size(); ++i) numbers[i] = items[i].number;
   return numbers;

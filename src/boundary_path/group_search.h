@@ -9,6 +9,8 @@
 namespace selvage {
 inline namespace SELVAGE_ISA {
 
+struct ChildSpheres;
+
 /// In the plane segments are followed one by one.
 struct NoBundle {
   explicit NoBundle(const PathScene<2>&) {}
@@ -35,16 +37,16 @@ class GroupSearch {
   static constexpr int kWidth = kPointGroup, kVanguard = 4;
   static constexpr std::size_t kAhead = 6, kRoom = 256;
 
-  /// Pairs of a lane and a node or face.
+  /// Pairs of some lanes (bits) and a node, or of a lane and a face.
   struct Pairs {
     explicit Pairs(std::size_t size) : items(size), lanes(size) {}
 
     KernelVector<Index> items, lanes;
     std::size_t count = 0;
 
-    /// Makes room for all children of a node, and for what is written beyond them.
-    SELVAGE_INLINE void reserve() {
-      if (items.size() >= count + 2 * BvhNode::kWidth) return;
+    /// Makes room for some more, and for what is written beyond them.
+    SELVAGE_INLINE void reserve(std::size_t more) {
+      if (items.size() >= count + more + BvhNode::kWidth) return;
       items.resize(2 * items.size());
       lanes.resize(2 * lanes.size());
     }
@@ -78,8 +80,10 @@ class GroupSearch {
     alignas(64) float point[3][kWidth];
   };
 
-  static void prefetch_ends(const PathScene<D>& scene, std::span<const PathTask<D>> tasks);
+  void prefetch_ends(std::span<const PathTask<D>> tasks) const;
   void place(int lane);
+  unsigned find_inside(std::span<const PathTask<D>> tasks) const;
+  void take_sources(int lane);
   unsigned search_near_guesses(unsigned lanes, int& bad_guesses);
   unsigned guess(unsigned lanes);
   void approach(unsigned lanes);
@@ -90,7 +94,10 @@ class GroupSearch {
   void take_bound(int lane);
   void collect_faces();
   void walk_down();
+  traversal::WideBox box_of_reach() const;
+  void visit_together(Index place, unsigned lanes, const traversal::WideBox& reach);
   void visit(Index place, Index lane);
+  unsigned see_askew(const ChildSpheres& spheres, const ConeNode& cones, int child) const;
   unsigned seen_askew(const BvhNode& node, const ConeNode& cones, Index lane) const;
   FaceView<D> view(const Index* faces, const Index* lanes) const;
   void look_at_faces(std::size_t first);
@@ -112,23 +119,25 @@ class GroupSearch {
   Waiting waiting_[kWidth];
   Guesses guesses_;
   Answers latest_;
-  bool is_cautious_ = true;  ///< guesses were bad in the group before, or nothing is known of it
+  bool is_cautious_ = false;  ///< many guesses were bad in the group before
 };
 
 template <int D>
 void GroupSearch<D>::run(std::span<const PathTask<D>> tasks, PathResult<D>* results, PathCounters* counters) {
   const int count = static_cast<int>(tasks.size());
-  prefetch_ends(scene_, tasks);
+  prefetch_ends(tasks);
   searches_.clear();
   searches_.reserve(kWidth);
-  unsigned present = 0;
   for (int i = 0; i < count; ++i) {
     searches_.emplace_back(scene_, tasks[i], counters != nullptr ? counters + i : nullptr);
-    if (!searches_[i].locate()) continue;
-    present |= 1u << i;
     place(i);
   }
-  // Where guesses were bad just now, a few lanes find answers from which the others start.
+  const unsigned inside = find_inside(tasks);
+  unsigned present = 0;
+  for (int i = 0; i < count; ++i)
+    if (searches_[i].locate((inside >> i & 1) != 0)) present |= 1u << i;
+  for (unsigned rest = present; rest != 0; rest &= rest - 1) take_sources(lowest_lane(rest));
+  // Where many guesses were bad just now, a few lanes find answers from which the others start.
   int wanted = is_cautious_ ? kVanguard : kWidth;
   int bad_guesses = 0;
   while (present != 0) {
@@ -139,7 +148,7 @@ void GroupSearch<D>::run(std::span<const PathTask<D>> tasks, PathResult<D>* resu
     if (unanswered != 0) search_from_paths(unanswered);
     wanted = kWidth;
   }
-  is_cautious_ = bad_guesses > 0;
+  is_cautious_ = bad_guesses > kVanguard;
   for (int i = 0; i < count; ++i) results[i] = searches_[i].finish();
 }
 
@@ -195,28 +204,6 @@ void GroupSearch<D>::search_from_paths(unsigned lanes) {
   }
   collect_faces();
   for (unsigned rest = present_; rest != 0; rest &= rest - 1) decide(lowest_lane(rest));
-}
-
-template <int D>
-void GroupSearch<D>::prefetch_ends(const PathScene<D>& scene, std::span<const PathTask<D>> tasks) {
-  for (const PathTask<D>& task : tasks) {
-    for (const Index v : scene.elements[task.query.element].vertices) prefetch(scene.positions + v);
-    if (const Index hint = scene.hints[task.query.element]; hint != kNone) prefetch(scene.face_stars + hint);
-  }
-}
-
-template <int D>
-void GroupSearch<D>::place(int lane) {
-  const PathQuery<D>& query = searches_[lane].query();
-  const Box box = scene_.frame.around_point(query.point);
-  for (int i = 0; i < 3; ++i) {
-    eye_[i][lane] = 0;
-    lower_[i][lane] = box.lower[i];
-    upper_[i][lane] = box.upper[i];
-  }
-  for (int i = 0; i < D; ++i) eye_[i][lane] = static_cast<float>(query.point[i] - scene_.frame.origin[i]);
-  const bool bars = !searches_[lane].may_cull_towards_source();
-  for (int i = 0; i < 2; ++i) sources_[i][lane] = std::bit_cast<float>(bars ? query.source[i] : kNone);
 }
 
 /// Tests what the searches aim at: side by side where that may be.

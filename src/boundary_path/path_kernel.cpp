@@ -1,5 +1,6 @@
 #include "boundary_path/group_faces.h"
 #include "boundary_path/group_guess.h"
+#include "boundary_path/group_place.h"
 
 namespace selvage {
 inline namespace SELVAGE_ISA {

@@ -32,7 +32,8 @@ class Search {
       : scene_(scene), task_(task), query_(task.query), counters_(counters), candidates_(scene, query_.point) {}
 
   /// False when the point does not lie in its element.
-  bool locate();
+  /// @param is_inside  it certainly lies strictly inside
+  bool locate(bool is_inside);
 
   /// The face to look for answers from: the one to try first, or near in the mesh.
   Index first_face() const {
@@ -151,17 +152,20 @@ class Search {
 };
 
 template <int D>
-bool Search<D>::locate() {
+bool Search<D>::locate(bool is_inside) {
   const Index hint = scene_.options.use_hints ? scene_.hints[query_.element] : kNone;
   if (hint != kNone)
     for (const Index v : scene_.face_stars[hint].vertices)
       at_hint_ = std::min(at_hint_, (scene_.positions[v] - query_.point).squaredNorm());
-  std::array<Vec<D>, D + 1> corners;
-  for (int i = 0; i <= D; ++i) corners[i] = scene_.positions[scene_.elements[query_.element].vertices[i]];
-  const Containment at = locate_in_simplex<D>(corners, query_.point);
-  is_inside_ = at.inside;
-  if (!is_inside_) return false;
-  strictly_inside_ = at.zero_mask == 0;
+  is_inside_ = strictly_inside_ = is_inside;
+  if (!is_inside) {
+    std::array<Vec<D>, D + 1> corners;
+    for (int i = 0; i <= D; ++i) corners[i] = scene_.positions[scene_.elements[query_.element].vertices[i]];
+    const Containment at = locate_in_simplex<D>(corners, query_.point);
+    is_inside_ = at.inside;
+    if (!is_inside_) return false;
+    strictly_inside_ = at.zero_mask == 0;
+  }
   component_ = scene_.component_of[query_.element];
   state_ = scene_.component_state[component_];
   // Faces that contain p materially are no candidates, which the theorems do not know: rely on them only where p is
@@ -278,13 +282,15 @@ PathResult<D> Search<D>::finish() {
 /// elements look along the line up to twice a candidate's distance beyond it: three times that distance from p.
 template <int D>
 void Search<D>::set_safe_distance(bool own) {
-  const Box box = scene_.frame.around_point(query_.point);
   constexpr double kFarBeyond = 8;
   float nearest = round_up(kFarBeyond * kFarBeyond * at_hint_);
-  visit_nearest(scene_.defect_nodes, box, nearest, [&](Index defect, float squared_distance) {
-    if (scene_.defects[defect].component == component_ && squared_distance < nearest) nearest = squared_distance;
-    return nearest;
-  });
+  if (!scene_.defect_nodes.empty()) {
+    const Box box = scene_.frame.around_point(query_.point);
+    visit_nearest(scene_.defect_nodes, box, nearest, [&](Index defect, float squared_distance) {
+      if (scene_.defects[defect].component == component_ && squared_distance < nearest) nearest = squared_distance;
+      return nearest;
+    });
+  }
   defect_distance_ = std::sqrt(double(nearest)) * (state_ == ComponentState::kInverted ? 0.333 : 1.0);
   safe_distance_ = own ? 0 : defect_distance_;
 }

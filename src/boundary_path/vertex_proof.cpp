@@ -30,15 +30,6 @@ Vec<D> unit_normal(std::span<const Vec<D>> positions, const VertexTuple<D>& face
 
 }  // namespace
 
-Vec2 face_normal(std::span<const Vec2> positions, const VertexTuple<2>& face) {
-  const Vec2 along = positions[face[1]] - positions[face[0]];
-  return {along[1], -along[0]};
-}
-
-Vec3 face_normal(std::span<const Vec3> positions, const VertexTuple<3>& face) {
-  return (positions[face[1]] - positions[face[0]]).cross(positions[face[2]] - positions[face[0]]);
-}
-
 /// What is left to prove in the plane, that the elements turn by less than 2 pi, is seen to with the boundary ridges.
 bool is_proven_injective(const SimplexMesh<2>& mesh, std::span<const Vec2> positions, Index vertex,
                          NormalBox& normals) {

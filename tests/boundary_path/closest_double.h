@@ -15,6 +15,7 @@ struct ClosestDouble {
   Vec<D> offset;  ///< closest point minus the query's point
   double squared_distance;
   double size;   ///< largest coordinate of the face, seen from the point
+  double error;  ///< bounds the error of the offset's length
   bool trusted;  ///< the face is not so thin that the offset is unreliable
 };
 
@@ -36,6 +37,9 @@ ClosestDouble<D> closest_in_doubles(const std::vector<Vec<D>>& positions, const 
     v[i] = positions[face[i]] - point;
     result.size = std::max(result.size, v[i].cwiseAbs().maxCoeff());
   }
+  // Let u = 2^-53. A coordinate is off by u times the size, an edge by 7 u times it. Along an edge the point may slip,
+  // which hardly changes the distance unless the edge is about as long as the size: 20 u in all.
+  result.error = 0x1p-46 * result.size;
   result.offset = closest_on_edge<D>(v[0], v[1]);
   if constexpr (D == 3) {
     const Vec3 n = (v[1] - v[0]).cross(v[2] - v[0]);
@@ -43,6 +47,9 @@ ClosestDouble<D> closest_in_doubles(const std::vector<Vec<D>>& positions, const 
     const double longest =
         std::max({(v[1] - v[0]).squaredNorm(), (v[2] - v[0]).squaredNorm(), (v[2] - v[1]).squaredNorm()});
     result.trusted = area > 1e-3 * longest * longest;
+    // The normal is off by 24 u size longest, and the less it is itself, the more it tilts: that moves the foot of the
+    // perpendicular across the edges, and its height, by that share of the size each.
+    result.error = area > 0 ? result.error * std::max(1.0, result.size * std::sqrt(longest / area)) : HUGE_VAL;
     if (area > 0 && n.dot(v[0].cross(v[1])) >= 0 && n.dot(v[1].cross(v[2])) >= 0 && n.dot(v[2].cross(v[0])) >= 0) {
       result.offset = n * (n.dot(v[0]) / area);
     } else {

@@ -198,19 +198,22 @@ OracleAnswer Oracle<D>::shortest_path(const Vec<D>& point, Index element, const 
   for (Index f = 0; f < static_cast<Index>(faces_.size()); ++f) {
     if (orientations_[faces_[f].owner] <= 0 || is_excluded(f, source)) continue;
     const auto closest = closest_in_doubles<D>(scaled_, faces_[f].vertices, p);
-    order.push_back({closest.squared_distance, f});
+    order.push_back({std::sqrt(closest.squared_distance) - closest.error, f});
   }
   const auto later = [](const auto& a, const auto& b) { return a > b; };
   std::make_heap(order.begin(), order.end(), later);
-  for (; !order.empty(); order.pop_back()) {
+  // Faces come by what their distances are at least: one that comes later may still be nearer than what was found.
+  double nearest = HUGE_VAL;
+  for (; !order.empty() && order.front().first <= nearest; order.pop_back()) {
     std::pop_heap(order.begin(), order.end(), later);
     Segment segment = make_segment(p, order.back().second, !clean_[element]);
     if (source[0] == kNone && may_be_zero(segment) && exact_length(segment) == 0) continue;
+    if (answer.found && exact_length(segment) >= answer.distance) continue;
     if (!connects(element, faces_[segment.face].owner, segment, workspace)) continue;
     answer.found = true;
     answer.face = segment.face;
     answer.distance = exact_length(segment);
-    break;
+    nearest = std::ldexp(answer.distance, -scale_exponent_);
   }
   return answer;
 }
