@@ -13,27 +13,52 @@ namespace selvage {
 
 namespace {
 
+constexpr std::int64_t kVerticesAtOnce = 512;
+
 template <int N>
 int local_index(const VertexTuple<N>& tuple, Index vertex) {
   return static_cast<int>(std::find(tuple.begin(), tuple.end(), vertex) - tuple.begin());
 }
 
-/// Calls visit(element, local face) for every other element that has all the vertices of `face`.
-template <int D, typename Visit>
-void for_each_across(std::span<const VertexTuple<D + 1>> elements, std::span<const Index> candidates, Index self,
-                     const VertexTuple<D>& face, Visit&& visit) {
-  for (Index other : candidates) {
-    if (other == self) continue;
-    const auto& vertices = elements[other];
-    int apex = -1, shared = 0;
-    for (int i = 0; i <= D; ++i) {
-      if (std::find(face.begin(), face.end(), vertices[i]) != face.end())
-        ++shared;
-      else
-        apex = i;
+/// A face of an element, seen from its smallest vertex.
+struct OutlinedFace {
+  std::uint64_t others;  ///< its other vertices
+  Index half_face;
+
+  friend auto operator<=>(const OutlinedFace&, const OutlinedFace&) = default;
+};
+
+template <int D>
+OutlinedFace outline_face(const VertexTuple<D + 1>& element, Index e, int face, Index smallest) {
+  std::uint32_t low = 0, high = 0;
+  for (int i = 0; i <= D; ++i)
+    if (i != face && element[i] != smallest) {
+      const auto vertex = static_cast<std::uint32_t>(element[i]);
+      low = high == 0 ? vertex : std::min(high, vertex);
+      high = std::max(high, vertex);
     }
-    if (shared == D) visit(other, apex);
+  return {static_cast<std::uint64_t>(high) << 32 | low, HalfFace::of(e, face).code};
+}
+
+/// Lists the faces whose smallest vertex is v: those of elements whose smallest vertex it is, and one of each element
+/// in which it comes second.
+template <int D>
+void list_faces(const SimplexMesh<D>& mesh, Index v, std::vector<OutlinedFace>& faces) {
+  faces.clear();
+  for (const Index e : mesh.vertex_elements(v)) {
+    const auto& element = mesh.elements()[e];
+    int smaller = 0, last_smaller = 0;
+    for (int i = 0; i <= D; ++i)
+      if (element[i] < v) {
+        ++smaller;
+        last_smaller = i;
+      }
+    if (smaller == 1) faces.push_back(outline_face<D>(element, e, last_smaller, v));
+    if (smaller > 0) continue;
+    for (int i = 0; i <= D; ++i)
+      if (element[i] != v) faces.push_back(outline_face<D>(element, e, i, v));
   }
+  std::sort(faces.begin(), faces.end());
 }
 
 }  // namespace
@@ -52,21 +77,19 @@ template <int D>
 void SimplexMesh<D>::find_neighbours() {
   neighbours_.resize(elements_.size());
   FirstOffender crowded("element");
-  parallel_for(element_count(), kGrain, [&](std::int64_t e) {
-    const Index self = static_cast<Index>(e);
-    for (int i = 0; i <= D; ++i) {
-      const Face face = face_of(elements_[e], i);
-      // The vertex with the smallest star leaves the fewest elements to look at.
-      const Index rarest = *std::min_element(face.begin(), face.end(), [&](Index a, Index b) {
-        return vertex_elements(a).size() < vertex_elements(b).size();
-      });
-      int found = 0;
-      neighbours_[e][i] = kNone;
-      for_each_across<D>(elements_, vertex_elements(rarest), self, face, [&](Index other, int apex) {
-        neighbours_[e][i] = HalfFace::of(other, apex).code;
-        ++found;
-      });
-      if (found > 1) crowded.report(self);
+  parallel_ranges(vertex_count_, kVerticesAtOnce, [&](std::int64_t begin, std::int64_t end) {
+    std::vector<OutlinedFace> faces;
+    for (Index v = static_cast<Index>(begin); v < end; ++v) {
+      list_faces(*this, v, faces);
+      for (auto first = faces.begin(), last = first; first != faces.end(); first = last) {
+        last = std::find_if(first, faces.end(), [&](const OutlinedFace& face) { return face.others != first->others; });
+        for (auto face = first; face != last; ++face) {
+          const HalfFace half{face->half_face};
+          neighbours_[half.element()][half.face()] =
+              last - first == 1 ? kNone : (face == first ? first + 1 : first)->half_face;
+          if (last - first > 2) crowded.report(half.element());
+        }
+      }
     }
   });
   if (crowded.any())
