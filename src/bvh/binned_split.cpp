@@ -62,11 +62,6 @@ Result reduce_range(Index begin, Index end, AddPiece&& add_piece) {
   });
 }
 
-int bin_of(float centre, float origin, float scale) {
-  const float place = (centre - origin) * scale;
-  return static_cast<int>(place < kBins - 1 ? place : static_cast<float>(kBins - 1));
-}
-
 /// Bounds and counts of the primitives in each bin of each axis.
 struct Bins {
   std::array<Float8, 3 * kBins> bounds;
@@ -205,35 +200,35 @@ std::array<RefRange, 2> RangeSplitter::split(const RefRange& range, bool halve) 
     });
     plane = best_plane(bins, RelativeMeasure(range.bounds, flat_));
   }
-  const Index middle = plane.axis < 0
+  const auto [axis, first_right_bin] = plane;
+  const Index middle = axis < 0
                            ? halve_range(range)
-                           : partition(range, plane.axis, origin[plane.axis], scale[plane.axis], plane.first_right_bin);
+                           : partition(range, {axis, origin[axis], scale[axis], static_cast<float>(first_right_bin)});
   return {make_range(range.begin, middle), make_range(middle, range.end)};
 }
 
-Index RangeSplitter::partition(const RefRange& range, int axis, float origin, float scale, int first_right_bin) {
-  if (range.size() > kParallelSize)
-    return partition_parallel(range.begin, range.end, axis, origin, scale, first_right_bin);
-  Index left = range.begin, right = range.end;
-  while (true) {
-    while (left < right && bin_of(refs_[left].centre(axis), origin, scale) < first_right_bin) ++left;
-    while (left < right && bin_of(refs_[right - 1].centre(axis), origin, scale) >= first_right_bin) --right;
-    if (left >= right) return left;
-    std::swap(refs_[left++], refs_[--right]);
+Index RangeSplitter::partition(const RefRange& range, const LeftSide& side) {
+  if (range.size() > kParallelSize) return partition_parallel(range.begin, range.end, side);
+  // Without a branch: each primitive changes places with the first one at the right, which then may end at the left.
+  Index left = range.begin;
+  for (Index i = range.begin; i < range.end; ++i) {
+    const PrimitiveRef ref = refs_[i];
+    refs_[i] = refs_[left];
+    refs_[left] = ref;
+    left += side.holds(ref);
   }
+  return left;
 }
 
 /// Stable, through the scratch array: each chunk counts its share, then moves it to its place.
-Index RangeSplitter::partition_parallel(Index begin, Index end, int axis, float origin, float scale,
-                                        int first_right_bin) {
-  const auto goes_left = [&](Index i) { return bin_of(refs_[i].centre(axis), origin, scale) < first_right_bin; };
+Index RangeSplitter::partition_parallel(Index begin, Index end, const LeftSide& side) {
   const Index chunks = (end - begin + kChunk - 1) / kChunk;
   const auto chunk_end = [&](Index chunk) { return std::min(begin + (chunk + 1) * kChunk, end); };
   std::vector<Index> left_start(chunks + 1, 0);
   parallel_for(chunks, 1, [&](std::int64_t c) {
     const Index chunk = static_cast<Index>(c);
     Index count = 0;
-    for (Index i = begin + chunk * kChunk; i < chunk_end(chunk); ++i) count += goes_left(i);
+    for (Index i = begin + chunk * kChunk; i < chunk_end(chunk); ++i) count += side.holds(refs_[i]);
     left_start[chunk + 1] = count;
   });
   for (Index chunk = 0; chunk < chunks; ++chunk) left_start[chunk + 1] += left_start[chunk];
@@ -242,7 +237,7 @@ Index RangeSplitter::partition_parallel(Index begin, Index end, int axis, float 
     const Index chunk = static_cast<Index>(c);
     Index to_left = begin + left_start[chunk], to_right = middle + chunk * kChunk - left_start[chunk];
     for (Index i = begin + chunk * kChunk; i < chunk_end(chunk); ++i)
-      scratch_[goes_left(i) ? to_left++ : to_right++] = refs_[i];
+      scratch_[side.holds(refs_[i]) ? to_left++ : to_right++] = refs_[i];
   });
   parallel_ranges(end - begin, kChunk, [&](std::int64_t first, std::int64_t last) {
     std::copy(scratch_.get() + begin + first, scratch_.get() + begin + last, refs_.get() + begin + first);

@@ -55,8 +55,17 @@ class RangeSplitter {
   void free_scratch() { scratch_.reset(); }
 
  private:
-  Index partition(const RefRange& range, int axis, float origin, float scale, int first_right_bin);
-  Index partition_parallel(Index begin, Index end, int axis, float origin, float scale, int first_right_bin);
+  /// The primitives whose centres lie in bins below a plane.
+  struct LeftSide {
+    int axis;
+    float origin;
+    float scale;
+    float first_right_bin;
+
+    bool holds(const PrimitiveRef& ref) const { return (ref.centre(axis) - origin) * scale < first_right_bin; }
+  };
+  Index partition(const RefRange& range, const LeftSide& side);
+  Index partition_parallel(Index begin, Index end, const LeftSide& side);
   Index halve_range(const RefRange& range);
 
   std::unique_ptr<PrimitiveRef[]> refs_;
