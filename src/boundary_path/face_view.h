@@ -32,12 +32,13 @@ SELVAGE_INLINE Float16 sum_of_sizes(const Vector16& a) {
   return max(a.at[0], zero - a.at[0]) + max(a.at[1], zero - a.at[1]) + max(a.at[2], zero - a.at[2]);
 }
 
-SELVAGE_INLINE Vector16 gather(const RoundedPosition* positions, const Index* vertices) {
+/// @param vertex_of  the vertex of a lane
+template <typename VertexOf>
+SELVAGE_INLINE Vector16 gather(const RoundedPosition* positions, VertexOf&& vertex_of) {
   Float8 rows[2][4];
+  const auto row = [&](int lane) { return Float4::load(positions[vertex_of(lane)].data()); };
   for (int half = 0; half < 2; ++half) {
-    const Index* v = vertices + 8 * half;
-    for (int i = 0; i < 4; ++i)
-      rows[half][i] = Float8::join(Float4::load(positions[v[i]].data()), Float4::load(positions[v[i + 4]].data()));
+    for (int i = 8 * half; i < 8 * half + 4; ++i) rows[half][i & 3] = Float8::join(row(i), row(i + 4));
     transpose(rows[half][0], rows[half][1], rows[half][2], rows[half][3]);
   }
   return {{Float16::join(rows[0][0], rows[1][0]), Float16::join(rows[0][1], rows[1][1]),
@@ -86,6 +87,7 @@ struct FaceFindings {
   Float16 squared_distance;  ///< never above the true one
   Vector16 way;              ///< about from p to s
   unsigned closer[D];        ///< pairs where the neighbour opposite to a corner comes closer than s
+  unsigned spans[D];         ///< pairs of which s's feature is certain, and the corner one of its vertices
   unsigned seen_outside;     ///< pairs where s is seen from outside
 
   /// Pairs where s is no answer.
@@ -148,7 +150,7 @@ struct TriangleProducts {
 
 /// Finds pairs where s certainly lies on an edge across which the neighbour's direction comes closer, or at a vertex
 /// from which one of the two does that are next to the face's own edges; or where s certainly lies inside the face, and
-/// p before it.
+/// p before it. And which feature s lies on, where that is certain.
 ///
 /// @param error   bounds the error of all products and of their sums here
 /// @param extent  no two of the vertices are farther apart
@@ -162,9 +164,8 @@ SELVAGE_INLINE void find_culled(const FaceView<3>& view, const TriangleProducts&
   const Float16 minus_error = zero - error, minus_wide = zero - wide;
   const auto above = [&](const Float16& x) { return less_equal(error, x); };
   const auto below = [&](const Float16& x) { return less_equal(x, minus_error); };
-  const auto beyond = [&](const Float16& in, const Float16& closer) {
-    return less_equal(in, minus_wide) & less_equal(wide, closer);
-  };
+  const auto beyond = [&](const Float16& in) { return less_equal(in, minus_wide); };
+  const auto closer = [&](const Float16& x) { return less_equal(wide, x); };
   // The neighbours' directions: their apexes from the corners, times p from there.
   const Vector16 a_qc = view.apexes[2] - view.corners[0], a_qb = view.apexes[1] - view.corners[0];
   const Vector16 b_qa = view.apexes[0] - view.corners[1];
@@ -174,15 +175,23 @@ SELVAGE_INLINE void find_culled(const FaceView<3>& view, const TriangleProducts&
   const Float16 qa_c = qa_b - t.o_b - (skew_o - t.oo);
   const auto [has_qa, has_qb, has_qc] = view.has_neighbour;
   const auto [cull_a, cull_b, cull_c] = view.cullable;
-  const unsigned at_a = cull_a & below(t.u_a) & below(t.v_a), at_b = cull_b & above(t.u_b) & below(t.o_b);
-  const unsigned at_c = cull_c & above(t.v_c) & above(t.o_c);
-  const unsigned on_u = (cull_a | cull_b) & above(t.u_a) & below(t.u_b) & beyond(t.in_u, qc_a - t.t_u * skew_u);
-  const unsigned on_v = (cull_a | cull_c) & above(t.v_a) & below(t.v_c) & beyond(t.in_v, qb_a - t.t_v * skew_v);
-  const unsigned on_o = (cull_b | cull_c) & above(t.o_b) & below(t.o_c) & beyond(t.in_o, qa_b - t.t_o * skew_o);
-  found.closer[0] = has_qa & ((at_b & above(qa_b)) | (at_c & above(qa_c)) | on_o);
-  found.closer[1] = has_qb & ((at_a & above(qb_a)) | (at_c & above(qb_c)) | on_v);
-  found.closer[2] = has_qc & ((at_a & above(qc_a)) | (at_b & above(qc_b)) | on_u);
-  found.seen_outside = less_equal(wide * slender, t.inside()) & less_equal(error * extent, dot(cross(t.u, t.v), t.p_a));
+  const unsigned at_a = below(t.u_a) & below(t.v_a), at_b = above(t.u_b) & below(t.o_b);
+  const unsigned at_c = above(t.v_c) & above(t.o_c);
+  const unsigned on_u = above(t.u_a) & below(t.u_b) & beyond(t.in_u);
+  const unsigned on_v = above(t.v_a) & below(t.v_c) & beyond(t.in_v);
+  const unsigned on_o = above(t.o_b) & below(t.o_c) & beyond(t.in_o);
+  const unsigned is_inside = less_equal(wide * slender, t.inside());
+  found.spans[0] = at_a | on_u | on_v | is_inside;
+  found.spans[1] = at_b | on_u | on_o | is_inside;
+  found.spans[2] = at_c | on_v | on_o | is_inside;
+  const unsigned across_u = (cull_a | cull_b) & on_u & closer(qc_a - t.t_u * skew_u);
+  const unsigned across_v = (cull_a | cull_c) & on_v & closer(qb_a - t.t_v * skew_v);
+  const unsigned across_o = (cull_b | cull_c) & on_o & closer(qa_b - t.t_o * skew_o);
+  const unsigned from_a = cull_a & at_a, from_b = cull_b & at_b, from_c = cull_c & at_c;
+  found.closer[0] = has_qa & ((from_b & above(qa_b)) | (from_c & above(qa_c)) | across_o);
+  found.closer[1] = has_qb & ((from_a & above(qb_a)) | (from_c & above(qb_c)) | across_v);
+  found.closer[2] = has_qc & ((from_a & above(qc_a)) | (from_b & above(qc_b)) | across_u);
+  found.seen_outside = is_inside & less_equal(error * extent, dot(cross(t.u, t.v), t.p_a));
 }
 
 SELVAGE_INLINE FaceFindings<3> look_at(const FaceView<3>& view) {
@@ -220,6 +229,7 @@ SELVAGE_INLINE FaceFindings<2> look_at(const FaceView<2>& view) {
   found.closer[1] =
       view.cullable[0] & view.has_neighbour[1] & less_equal(u_a, zero - error) & less_equal(error, dot(a_qb, p_a));
   found.seen_outside = 0;
+  found.spans[0] = found.spans[1] = 0;  // that nothing is certain costs little
   return found;
 }
 

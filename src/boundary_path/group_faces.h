@@ -33,7 +33,7 @@ void GroupSearch<D>::collect_faces() {
 /// Nodes that most of the group comes to are visited once for all, others for each lane alone.
 template <int D>
 void GroupSearch<D>::walk_down() {
-  constexpr int kFew = 2;
+  constexpr int kFew = 4;
   nodes_.count = faces_.count = 0;
   if (scene_.face_nodes.empty() || present_ == 0) return;
   const traversal::WideBox reach = box_of_reach();
@@ -172,25 +172,27 @@ SELVAGE_INLINE unsigned GroupSearch<D>::seen_askew(const BvhNode& node, const Co
 /// Sixteen pairs of a lane and a face, ready to be looked at.
 template <int D>
 SELVAGE_INLINE FaceView<D> GroupSearch<D>::view(const Index* faces, const Index* lanes) const {
-  alignas(64) Index vertices[D][kWidth], apexes[D][kWidth];
+  FaceStar<D> stars[kWidth];
   FaceView<D> view;
   view.rounding = scene_.rounding;
   for (unsigned& pairs : view.cullable) pairs = 0;
   for (int i = 0; i < kWidth; ++i) {
-    const FaceStar<D>& star = scene_.face_stars[faces[i]];
-    for (int k = 0; k < D; ++k) {
-      vertices[k][i] = star.vertices[k];
-      apexes[k][i] = star.apexes[k];
-      view.cullable[k] |= static_cast<unsigned>(scene_.cullable[star.vertices[k]]) << i;
-    }
+    stars[i] = scene_.face_stars[faces[i]];
+    for (int k = 0; k < D; ++k) view.cullable[k] |= static_cast<unsigned>(scene_.cullable[stars[i].vertices[k]]) << i;
   }
   for (int i = 0; i < 3; ++i) view.p.at[i] = Float16::pick(eye_[i], lanes);
+  for (int k = 0; k < D; ++k) {
+    view.corners[k] = gather(scene_.rounded, [&](int lane) { return stars[lane].vertices[k]; });
+    view.apexes[k] = gather(scene_.rounded, [&](int lane) { return stars[lane].apexes[k]; });
+    view.has_neighbour[k] = ~0u;
+  }
+  if (!any_sources_) return view;
+  // A neighbour that has what p lies on is no candidate.
   const Float16 sources[2] = {Float16::pick(sources_[0], lanes), Float16::pick(sources_[1], lanes)};
   for (int k = 0; k < D; ++k) {
-    view.corners[k] = gather(scene_.rounded, vertices[k]);
-    view.apexes[k] = gather(scene_.rounded, apexes[k]);
-    // A neighbour that has what p lies on is no candidate.
-    const Float16 numbers = Float16::load(reinterpret_cast<const float*>(apexes[k]));
+    alignas(64) Index apexes[kWidth];
+    for (int i = 0; i < kWidth; ++i) apexes[i] = stars[i].apexes[k];
+    const Float16 numbers = Float16::load(reinterpret_cast<const float*>(apexes));
     view.has_neighbour[k] = ~(equal_bits(numbers, sources[0]) | equal_bits(numbers, sources[1]));
   }
   return view;
@@ -219,6 +221,9 @@ SELVAGE_INLINE void GroupSearch<D>::look_at_faces(std::size_t first) {
     const int i = lowest_lane(rest);
     Waiting& waiting = waiting_[lanes[i]];
     waiting.squared_distance[waiting.count] = distances[i];
+    waiting.feature[waiting.count] = 0;
+    for (int k = 0; k < D; ++k)
+      waiting.feature[waiting.count] |= static_cast<std::uint8_t>((found.spans[k] >> i & 1) << k);
     waiting.face[waiting.count++] = faces[i];
     if (waiting.count == Waiting::kMost) decide(lanes[i]);
   }

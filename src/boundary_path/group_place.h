@@ -31,6 +31,7 @@ template <int D>
 void GroupSearch<D>::take_sources(int lane) {
   const PathQuery<D>& query = searches_[lane].query();
   const bool bars = !searches_[lane].may_cull_towards_source();
+  any_sources_ |= bars && query.source[0] != kNone;
   for (int i = 0; i < 2; ++i) sources_[i][lane] = std::bit_cast<float>(bars ? query.source[i] : kNone);
 }
 
@@ -74,13 +75,11 @@ unsigned GroupSearch<D>::find_inside(std::span<const PathTask<D>> tasks) const {
     return 0;  // rare enough to be looked at one by one
   } else {
     const int count = static_cast<int>(tasks.size());
-    Index vertices[4][kWidth];
-    for (int i = 0; i < kWidth; ++i) {
-      const auto& element = scene_.elements[tasks[i < count ? i : count - 1].query.element];
-      for (int k = 0; k < 4; ++k) vertices[k][i] = element.vertices[k];
-    }
+    VertexTuple<4> vertices[kWidth];
+    for (int i = 0; i < kWidth; ++i)
+      vertices[i] = scene_.elements[tasks[i < count ? i : count - 1].query.element].vertices;
     Vector16 corners[4];
-    for (int k = 0; k < 4; ++k) corners[k] = gather(scene_.rounded, vertices[k]);
+    for (int k = 0; k < 4; ++k) corners[k] = gather(scene_.rounded, [&](int lane) { return vertices[lane][k]; });
     const Vector16 p = {{Float16::load(eye_[0]), Float16::load(eye_[1]), Float16::load(eye_[2])}};
     const ElementParts parts(p, corners, scene_.rounding);
     const Float16 huge = Float16::broadcast(1e30f);  // what overflows tells nothing

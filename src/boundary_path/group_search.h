@@ -63,6 +63,12 @@ class GroupSearch {
     int count = 0;
     float squared_distance[kMost];  ///< at least
     Index face[kMost];
+    std::uint8_t feature[kMost];  ///< vertices of the face that span the closest point's feature; 0: not known
+  };
+
+  struct WaitingFace {
+    Index face;
+    unsigned feature;
   };
 
   /// Near boundary points, to which there may be no paths.
@@ -102,7 +108,7 @@ class GroupSearch {
   FaceView<D> view(const Index* faces, const Index* lanes) const;
   void look_at_faces(std::size_t first);
   void count_faces(std::size_t first, unsigned seen, unsigned culled);
-  Index take_nearest(int lane);
+  WaitingFace take_nearest(int lane);
   void nominate(int lane);
   void decide(int lane);
 
@@ -115,6 +121,7 @@ class GroupSearch {
   alignas(64) float lower_[3][kWidth], upper_[3][kWidth];  ///< boxes around them
   alignas(64) float limit_[kWidth];                        ///< what a computed squared distance may be at most
   alignas(64) float sources_[2][kWidth] = {};              ///< vertices whose faces prove nothing, as bits
+  bool any_sources_ = false;
   Pairs nodes_, faces_;
   Waiting waiting_[kWidth];
   Guesses guesses_;
@@ -136,6 +143,7 @@ void GroupSearch<D>::run(std::span<const PathTask<D>> tasks, PathResult<D>* resu
   unsigned present = 0;
   for (int i = 0; i < count; ++i)
     if (searches_[i].locate((inside >> i & 1) != 0)) present |= 1u << i;
+  any_sources_ = false;
   for (unsigned rest = present; rest != 0; rest &= rest - 1) take_sources(lowest_lane(rest));
   // Where many guesses were bad just now, a few lanes find answers from which the others start.
   int wanted = is_cautious_ ? kVanguard : kWidth;
@@ -234,20 +242,21 @@ void GroupSearch<D>::take_bound(int lane) {
 
 /// The nearest face that waits, or kNone when none is near enough any more.
 template <int D>
-Index GroupSearch<D>::take_nearest(int lane) {
+typename GroupSearch<D>::WaitingFace GroupSearch<D>::take_nearest(int lane) {
   Waiting& waiting = waiting_[lane];
-  if (waiting.count == 0) return kNone;
+  if (waiting.count == 0) return {kNone, 0};
   int nearest = 0;
   for (int k = 1; k < waiting.count; ++k)
     if (waiting.squared_distance[k] < waiting.squared_distance[nearest]) nearest = k;
   if (!(waiting.squared_distance[nearest] <= limit_[lane])) {
     waiting.count = 0;
-    return kNone;
+    return {kNone, 0};
   }
-  const Index face = waiting.face[nearest];
+  const WaitingFace face = {waiting.face[nearest], waiting.feature[nearest]};
   --waiting.count;
   waiting.squared_distance[nearest] = waiting.squared_distance[waiting.count];
   waiting.face[nearest] = waiting.face[waiting.count];
+  waiting.feature[nearest] = waiting.feature[waiting.count];
   return face;
 }
 
@@ -256,17 +265,17 @@ template <int D>
 void GroupSearch<D>::nominate(int lane) {
   Search<D>& search = searches_[lane];
   while (search.target() == nullptr && !search.has_answer()) {
-    const Index face = take_nearest(lane);
-    if (face == kNone) return;
-    search.nominate(face);
+    const WaitingFace next = take_nearest(lane);
+    if (next.face == kNone) return;
+    search.nominate(next.face, next.feature);
   }
 }
 
 /// Considers all that waits, near to far.
 template <int D>
 void GroupSearch<D>::decide(int lane) {
-  for (Index face = take_nearest(lane); face != kNone; face = take_nearest(lane)) {
-    searches_[lane].consider(face);
+  for (WaitingFace next = take_nearest(lane); next.face != kNone; next = take_nearest(lane)) {
+    searches_[lane].consider(next.face, next.feature);
     take_bound(lane);
   }
 }

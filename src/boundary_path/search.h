@@ -52,7 +52,7 @@ class Search {
   bool stop_supposing();
 
   /// Considers a face; if it may be the answer the segment is left to be followed in a WalkBundle, where it may be.
-  void nominate(Index face);
+  void nominate(Index face, unsigned feature);
 
   /// Looks for a first candidate from a face on.
   void aim(Index face);
@@ -69,8 +69,10 @@ class Search {
   /// none.
   bool start();
 
-  /// Tests a face unless it is known to be no answer. With `follow` goes on to neighbours that come closer.
-  void consider(Index face, bool follow = false);
+  /// Tests a face unless it is known to be no answer.
+  /// @param feature  vertices of the face (bits) that certainly span the feature of its closest point; 0: not known
+  /// @param follow   whether to go on to neighbours that come closer
+  void consider(Index face, unsigned feature, bool follow = false);
 
   /// The answer, once all faces have been considered that may be it.
   PathResult<D> finish();
@@ -96,6 +98,7 @@ class Search {
   static constexpr double kLeftAtError = 1e-6;
 
   bool may_postpone(const Candidate<D>& candidate) const;
+  double squared_distance_to_hint() const;
   void set_safe_distance(bool own);
   void start_from(Index face);
   void start_anywhere();
@@ -136,7 +139,6 @@ class Search {
 
   bool is_aiming_ = false;
   Candidate<D> target_;
-  double at_hint_ = kInfinity;  ///< squared distance of a vertex of the face that is near in the mesh
 
   Candidate<D> best_;
   double best_squared_ = kInfinity;
@@ -153,10 +155,6 @@ class Search {
 
 template <int D>
 bool Search<D>::locate(bool is_inside) {
-  const Index hint = scene_.options.use_hints ? scene_.hints[query_.element] : kNone;
-  if (hint != kNone)
-    for (const Index v : scene_.face_stars[hint].vertices)
-      at_hint_ = std::min(at_hint_, (scene_.positions[v] - query_.point).squaredNorm());
   is_inside_ = strictly_inside_ = is_inside;
   if (!is_inside) {
     std::array<Vec<D>, D + 1> corners;
@@ -187,7 +185,7 @@ void Search<D>::start_from(Index face) {
   constexpr int kMostSteps = 4;
   for (int step = 0; step < kMostSteps && face != kNone; ++step) {
     left_through_ = kNone;
-    consider(face, true);
+    consider(face, 0, true);
     face = left_through_;
   }
 }
@@ -208,9 +206,9 @@ bool Search<D>::stop_supposing() {
 }
 
 template <int D>
-void Search<D>::nominate(Index face) {
+void Search<D>::nominate(Index face, unsigned feature) {
   is_aiming_ = true;
-  consider(face);
+  consider(face, feature);
   is_aiming_ = target_.face != kNone;
 }
 
@@ -218,7 +216,7 @@ template <int D>
 void Search<D>::aim(Index face) {
   target_.face = kNone;
   is_aiming_ = true;
-  consider(face, true);
+  consider(face, 0, true);
   is_aiming_ = target_.face != kNone;
 }
 
@@ -237,7 +235,7 @@ void Search<D>::test_target(int elements_visited) {
 template <int D>
 bool Search<D>::start() {
   start_from(left_through_);
-  if (at_hint_ < squared_bound()) start_from(scene_.hints[query_.element]);
+  if (squared_distance_to_hint() < squared_bound()) start_from(scene_.hints[query_.element]);
   if (best_squared_ == kInfinity) start_anywhere();
   return best_squared_ < kInfinity;
 }
@@ -256,7 +254,7 @@ void Search<D>::start_anywhere() {
   visit_nearest(
       scene_.face_nodes, scene_.frame.around_point(query_.point), round_up(squared_bound()),
       [&](Index face, float) {
-        consider(face);
+        consider(face, 0);
         return best_squared_ == kInfinity ? round_up(squared_bound()) : -1.0f;
       },
       volumes);
@@ -278,13 +276,25 @@ PathResult<D> Search<D>::finish() {
   return result;
 }
 
+/// To a vertex of the face that is near in the mesh.
+template <int D>
+double Search<D>::squared_distance_to_hint() const {
+  double least = kInfinity;
+  const Index hint = scene_.options.use_hints ? scene_.hints[query_.element] : kNone;
+  if (hint != kNone)
+    for (const Index v : scene_.face_stars[hint].vertices)
+      least = std::min(least, (scene_.positions[v] - query_.point).squaredNorm());
+  return least;
+}
+
 /// How far p is from the nearest defect of its component, unless that is far beyond any answer. The rules for inverted
 /// elements look along the line up to twice a candidate's distance beyond it: three times that distance from p.
 template <int D>
 void Search<D>::set_safe_distance(bool own) {
   constexpr double kFarBeyond = 8;
-  float nearest = round_up(kFarBeyond * kFarBeyond * at_hint_);
+  float nearest = HUGE_VALF;
   if (!scene_.defect_nodes.empty()) {
+    nearest = round_up(kFarBeyond * kFarBeyond * squared_distance_to_hint());
     const Box box = scene_.frame.around_point(query_.point);
     visit_nearest(scene_.defect_nodes, box, nearest, [&](Index defect, float squared_distance) {
       if (scene_.defects[defect].component == component_ && squared_distance < nearest) nearest = squared_distance;

@@ -24,11 +24,12 @@ bool Search<D>::is_new(Index face) {
 }
 
 template <int D>
-void Search<D>::consider(Index face, bool follow) {
+void Search<D>::consider(Index face, unsigned feature, bool follow) {
   while (face != kNone && is_new(face)) {
     if (!may_end_at(face)) return;
     if (counters_ != nullptr) ++counters_->faces_visited;
-    const auto estimate = candidates_.estimate(face);
+    using Estimate = typename CandidateFactory<D>::Estimate;
+    const Estimate estimate = feature != 0 ? Estimate{0, 0, feature, false} : candidates_.estimate(face);
     const double limit = reject_above_ + estimate.error;
     if (estimate.squared_distance > limit * limit) return;
     if (!estimate.ambiguous && is_known(face, estimate.mask)) return;
@@ -40,6 +41,7 @@ void Search<D>::consider(Index face, bool follow) {
     if (counters_ != nullptr) ++counters_->culled;
     dismiss(candidate);
     face = follow ? closer : kNone;
+    feature = 0;
   }
 }
 

@@ -108,7 +108,7 @@ inline unsigned WalkBundle::follow(const float (&eye)[3][kPointGroup]) {
 }
 
 SELVAGE_INLINE WalkBundle::Shadows WalkBundle::shadows_of(const Index* vertices) const {
-  const Vector16 x = gather(scene_.rounded, vertices) - eye_;
+  const Vector16 x = gather(scene_.rounded, [&](int lane) { return vertices[lane]; }) - eye_;
   const Float16 zero = Float16::broadcast(0);
   const auto size = [&](int i) { return max(x.at[i], zero - x.at[i]); };
   return {dot(across_[0], x), dot(across_[1], x), max(max(size(0), size(1)), size(2))};

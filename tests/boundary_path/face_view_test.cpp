@@ -1,5 +1,6 @@
 // What is said of faces in single precision must hold in double precision, for hostile triangles too.
 #include "boundary_path/face_view.h"
+#include "boundary_path/exact_segment.h"
 #include "selvage/geometry/closest_point.h"
 #include "test_scale.h"
 
@@ -145,7 +146,7 @@ template <int D>
 void check(double extent, unsigned seed) {
   Maker<D> maker(extent, seed);
   const double fine = 1e-13 * extent;  // what double precision leaves open
-  std::int64_t tight = 0, infeasible = 0, culled = 0;
+  std::int64_t tight = 0, infeasible = 0, culled = 0, certain = 0;
   const std::int64_t count = test::scaled(4000);
   for (std::int64_t k = 0; k < count; ++k) {
     const Batch<D> batch(maker, extent);
@@ -163,6 +164,12 @@ void check(double extent, unsigned seed) {
       if ((found.culled() >> i & 1) != 0) {
         ASSERT_TRUE(is_inside ? is_outside(p, batch.stars[i]) : lead > 0) << k << ' ' << i << ' ' << lead;
       }
+      unsigned feature = 0;
+      for (int corner = 0; corner < D; ++corner) feature |= (found.spans[corner] >> i & 1u) << corner;
+      if (feature != 0) {
+        ASSERT_EQ(feature, exact_closest_mask(p, batch.stars[i].corners)) << k << ' ' << i;
+      }
+      certain += feature != 0;
       const bool is_clear = !is_inside && lead > 0.1 && distance > 0.01 * extent;
       infeasible += is_clear;
       culled += is_clear && (found.culled() >> i & 1) != 0;
@@ -172,6 +179,9 @@ void check(double extent, unsigned seed) {
   EXPECT_GT(static_cast<double>(tight), least(0.9, kPairs * count));
   EXPECT_GT(static_cast<double>(infeasible), least(0.5, count));
   EXPECT_GT(static_cast<double>(culled), least(0.5, infeasible));
+  if (D == 3) {  // nothing is looked for in the plane
+    EXPECT_GT(static_cast<double>(certain), least(0.5, kPairs * count));
+  }
 }
 
 TEST(FaceView, NeverSaysTooMuchOfSegments) {
