@@ -57,6 +57,26 @@ std::vector<Vec3> read_end(const CheckOptions& options, const MeshFile& start) {
   return std::move(end.positions);
 }
 
+/// Shows how far each phase of a check has come.
+class CheckProgress {
+ public:
+  explicit CheckProgress(bool quiet) : bar_("collisions", quiet) {}
+
+  /// @param from, to  the phase's part of the bar
+  void begin(std::string_view phase, double from, double to) {
+    phase_ = phase;
+    from_ = from;
+    to_ = to;
+    show(0);
+  }
+  void show(double share) { bar_.show(from_ + share * (to_ - from_), phase_); }
+
+ private:
+  ProgressBar bar_;
+  std::string_view phase_ = "hierarchy";
+  double from_ = 0, to_ = 0;
+};
+
 CollisionReport find_collisions(const CheckOptions& options, const MeshFile& file, std::span<const Vec3> end,
                                 Stopwatch& watch) {
   CollisionReport report;
@@ -73,15 +93,16 @@ CollisionReport find_collisions(const CheckOptions& options, const MeshFile& fil
   SelfCollisionOptions asked;
   asked.method = culling_method(options.method);
   asked.include_adjacent = options.adjacent;
-  ProgressBar bar("collisions", options.common.quiet);
+  CheckProgress progress(options.common.quiet);
+  asked.on_progress = [&](double share) { progress.show(share); };
   if (options.end_mesh.empty()) {
     const SelfCollisionFinder finder(mesh, file.positions, std::move(asked));
     watch.lap("hierarchy");
-    bar.show(0.3, "looking for pairs");
+    progress.begin("looking for pairs", 0.3, options.segments ? 0.8 : 1);
     report.pairs = finder.find_pairs(&report.counters);
     watch.lap("pairs");
     if (options.segments) {
-      bar.show(0.8, "segments");
+      progress.begin("segments", 0.8, 1);
       report.segments = finder.find_segments(report.pairs);
       watch.lap("segments");
     }
@@ -89,10 +110,10 @@ CollisionReport find_collisions(const CheckOptions& options, const MeshFile& fil
   }
   const ContinuousCollisionFinder finder(mesh, file.positions, end, std::move(asked));
   watch.lap("hierarchy");
-  bar.show(0.2, "looking for pairs");
+  progress.begin("looking for pairs", 0.2, 0.8);
   report.moving_pairs = finder.find_pairs(&report.moving_counters);
   watch.lap("pairs");
-  bar.show(0.8, "times of impact");
+  progress.begin("times of impact", 0.8, 1);
   report.free_step = finder.find_free_step(report.moving_pairs);
   watch.lap("impact");
   return report;

@@ -26,8 +26,8 @@ ProgressBar::~ProgressBar() {
 }
 
 void ProgressBar::clear() {
-  if (drawn_) fmt::print(stderr, "\r\033[K");
-  drawn_ = false;
+  if (!drawn_.empty()) fmt::print(stderr, "\r\033[K");
+  drawn_.clear();
 }
 
 void ProgressBar::show(double fraction, std::string_view note) {
@@ -35,10 +35,13 @@ void ProgressBar::show(double fraction, std::string_view note) {
   const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   if (!visible_ || elapsed < 0.5) return;
   const int filled = static_cast<int>(std::clamp(fraction, 0.0, 1.0) * kWidth);
-  fmt::print(stderr, "\r{} [{:=<{}}{:{}}] {:3.0f}%", task_, "", filled, "", kWidth - filled, 100 * fraction);
-  if (!note.empty()) fmt::print(stderr, "  {}\033[K", note);
+  std::string line =
+      fmt::format("\r{} [{:=<{}}{:{}}] {:3.0f}%", task_, "", filled, "", kWidth - filled, 100 * fraction);
+  if (!note.empty()) line += fmt::format("  {}\033[K", note);
+  if (line == drawn_) return;
+  fmt::print(stderr, "{}", line);
   std::fflush(stderr);
-  drawn_ = true;
+  drawn_ = std::move(line);
 }
 
 std::string grouped(std::int64_t count) {

@@ -38,7 +38,8 @@ class ProgressBar {
 
  private:
   std::string task_;
-  bool visible_, drawn_ = false;
+  std::string drawn_;  ///< what is on the screen
+  bool visible_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 

@@ -2,6 +2,7 @@
 #include "self_collision/continuous_kernel.h"
 #include "self_collision/moving_points.h"
 #include "self_collision/pair_filter.h"
+#include "self_collision/search_progress.h"
 #include "self_collision/self_culling.h"
 #include "self_collision/swept_pose.h"
 #include "selvage/core/error.h"
@@ -57,12 +58,20 @@ std::optional<double> impact_of(const ContinuousScene& scene, const EdgeEdgePair
   return edge_edge_impact(moving_edges(scene, pair.first, pair.second), before);
 }
 
-constexpr std::int64_t kImpactsAtOnce = 64;
+/// Calls `ask(i)` for each of so many pairs, in parallel.
+template <typename Ask>
+void ask_pairs(std::int64_t count, SearchProgress& progress, Ask&& ask) {
+  constexpr std::int64_t kAtOnce = 64;
+  parallel_ranges(count, kAtOnce, [&](std::int64_t first, std::int64_t last) {
+    for (std::int64_t i = first; i < last; ++i) ask(i);
+    progress.add(last - first);
+  });
+}
 
 template <typename Pair>
-std::vector<double> impact_times(const ContinuousScene& scene, std::span<const Pair> pairs) {
+std::vector<double> impact_times(const ContinuousScene& scene, std::span<const Pair> pairs, SearchProgress& progress) {
   std::vector<double> times(pairs.size());
-  parallel_for(std::ssize(pairs), kImpactsAtOnce, [&](std::int64_t i) {
+  ask_pairs(std::ssize(pairs), progress, [&](std::int64_t i) {
     times[i] = impact_of(scene, pairs[i]).value_or(std::numeric_limits<double>::quiet_NaN());
   });
   return times;
@@ -70,8 +79,9 @@ std::vector<double> impact_times(const ContinuousScene& scene, std::span<const P
 
 /// Lowers `earliest` to the first impact of any of the pairs, each asked only about the time before what is known.
 template <typename Pair>
-void find_earliest(const ContinuousScene& scene, std::span<const Pair> pairs, std::atomic<double>& earliest) {
-  parallel_for(std::ssize(pairs), kImpactsAtOnce, [&](std::int64_t i) {
+void find_earliest(const ContinuousScene& scene, std::span<const Pair> pairs, SearchProgress& progress,
+                   std::atomic<double>& earliest) {
+  ask_pairs(std::ssize(pairs), progress, [&](std::int64_t i) {
     double known = earliest.load(std::memory_order_relaxed);
     const auto time = impact_of(scene, pairs[i], known);
     while (time && *time < known && !earliest.compare_exchange_weak(known, *time)) {
@@ -170,8 +180,10 @@ struct ContinuousCollisionFinder::State {
     results.back().counters.self_node_pairs = work.compared_selves;
     for (ContinuousResult& result : results) result.stop = stop;
     SELVAGE_DISPATCH(test_listed_pairs, searched, work.found, results.back());
+    SearchProgress progress(options, std::ssize(results));
     parallel_for(std::ssize(work.pieces), 1, [&](std::int64_t i) {
       SELVAGE_DISPATCH(find_continuous_collisions, searched, work.pieces[i], results[i]);
+      progress.add(1);
     });
     std::vector<std::vector<VertexFacePair>> vertex_face;
     std::vector<std::vector<EdgeEdgePair>> edge_edge;
@@ -180,10 +192,12 @@ struct ContinuousCollisionFinder::State {
       edge_edge.push_back(std::move(result.pairs.edge_edge));
       if (counters != nullptr) *counters += result.counters;
     }
-    return {
+    ContinuousPairs pairs{
         merge_sorted(std::span<const std::vector<VertexFacePair>>(vertex_face), mesh.vertex_count(),
                      &VertexFacePair::vertex),
         merge_sorted(std::span<const std::vector<EdgeEdgePair>>(edge_edge), mesh.edge_count(), &EdgeEdgePair::first)};
+    progress.add(1);
+    return pairs;
   }
 };
 
@@ -214,21 +228,24 @@ bool ContinuousCollisionFinder::has_pairs(ContinuousCounters* counters) const {
 
 std::vector<double> ContinuousCollisionFinder::find_impact_times(std::span<const VertexFacePair> pairs) const {
   check_pairs(state_->mesh, pairs);
-  return impact_times(state_->scene(), pairs);
+  SearchProgress progress(state_->options, std::ssize(pairs));
+  return impact_times(state_->scene(), pairs, progress);
 }
 
 std::vector<double> ContinuousCollisionFinder::find_impact_times(std::span<const EdgeEdgePair> pairs) const {
   check_pairs(state_->mesh, pairs);
-  return impact_times(state_->scene(), pairs);
+  SearchProgress progress(state_->options, std::ssize(pairs));
+  return impact_times(state_->scene(), pairs, progress);
 }
 
 double ContinuousCollisionFinder::find_free_step(const ContinuousPairs& pairs) const {
   check_pairs(state_->mesh, pairs.vertex_face);
   check_pairs(state_->mesh, pairs.edge_edge);
+  SearchProgress progress(state_->options, std::ssize(pairs.vertex_face) + std::ssize(pairs.edge_edge));
   std::atomic<double> earliest = 1;
   const ContinuousScene scene = state_->scene();
-  find_earliest(scene, std::span<const VertexFacePair>(pairs.vertex_face), earliest);
-  find_earliest(scene, std::span<const EdgeEdgePair>(pairs.edge_edge), earliest);
+  find_earliest(scene, std::span<const VertexFacePair>(pairs.vertex_face), progress, earliest);
+  find_earliest(scene, std::span<const EdgeEdgePair>(pairs.edge_edge), progress, earliest);
   return earliest;
 }
 

@@ -2,6 +2,7 @@
 #include "self_collision/discrete_kernel.h"
 #include "self_collision/neighbour_pairs.h"
 #include "self_collision/pair_filter.h"
+#include "self_collision/search_progress.h"
 #include "self_collision/self_culling.h"
 #include "self_collision/surface_pose.h"
 #include "selvage/core/error.h"
@@ -36,26 +37,32 @@ void check_triangle(const TriangleMesh& mesh, Index t) {
 ///
 /// @param search  `search(piece, DiscreteResult&)`
 template <typename Work, typename Search>
-std::vector<TrianglePair> search_all(const DiscreteScene& scene, const Work& work, const SelfCollisionCounters& cutting,
-                                     Index first_count, std::atomic<bool>* stop, SelfCollisionCounters* counters,
-                                     Search&& search) {
+std::vector<TrianglePair> search_all(const SelfCollisionOptions& options, const DiscreteScene& scene, const Work& work,
+                                     const SelfCollisionCounters& cutting, Index first_count, std::atomic<bool>* stop,
+                                     SelfCollisionCounters* counters, Search&& search) {
   std::vector<DiscreteResult> results(work.pieces.size() + 1);
   results.back().counters = cutting;
   for (DiscreteResult& result : results) result.stop = stop;
   SELVAGE_DISPATCH(test_listed_pairs, scene, work.found, results.back());
-  parallel_for(std::ssize(work.pieces), 1, [&](std::int64_t i) { search(work.pieces[i], results[i]); });
+  SearchProgress progress(options, std::ssize(results));
+  parallel_for(std::ssize(work.pieces), 1, [&](std::int64_t i) {
+    search(work.pieces[i], results[i]);
+    progress.add(1);
+  });
   std::vector<std::vector<TrianglePair>> lists;
   for (DiscreteResult& result : results) {
     lists.push_back(std::move(result.pairs));
     if (counters != nullptr) *counters += result.counters;
   }
-  return merge_sorted(std::span<const std::vector<TrianglePair>>(lists), first_count, &TrianglePair::first);
+  auto pairs = merge_sorted(std::span<const std::vector<TrianglePair>>(lists), first_count, &TrianglePair::first);
+  progress.add(1);
+  return pairs;
 }
 
-std::vector<TrianglePair> search_two(const DiscreteScene& scene, const PairWork& work, Index first_count,
-                                     SelfCollisionCounters* counters) {
+std::vector<TrianglePair> search_two(const SelfCollisionOptions& options, const DiscreteScene& scene,
+                                     const PairWork& work, Index first_count, SelfCollisionCounters* counters) {
   return search_all(
-      scene, work, {.node_pairs = work.compared}, first_count, nullptr, counters,
+      options, scene, work, {.node_pairs = work.compared}, first_count, nullptr, counters,
       [&](const NodePair& piece, DiscreteResult& result) { SELVAGE_DISPATCH(find_collisions, scene, piece, result); });
 }
 
@@ -159,7 +166,7 @@ struct SelfCollisionFinder::State {
     if (counters != nullptr) spared.counters.add_to(*counters);
     scene.neighbours = neighbours;
     const SelfWork work = split_self_work(bvh, neighbours, scene.spared, piece_count(bvh));
-    return search_all(scene, work, work.counters, mesh.triangle_count(), stop, counters,
+    return search_all(options, scene, work, work.counters, mesh.triangle_count(), stop, counters,
                       [&](const SelfPiece& piece, DiscreteResult& result) {
                         SELVAGE_DISPATCH(find_self_collisions, scene, piece, result);
                       });
@@ -209,7 +216,8 @@ std::vector<TrianglePair> SelfCollisionFinder::find_pairs_of(std::span<const Ind
   scene.a.leaves = leaves.data();
   scene.a.triangle_of = triangles.data();
   scene.in_subset = in_subset.data();
-  return search_two(scene, split_pair_work(part, s.bvh, piece_count(s.bvh)), s.mesh.triangle_count(), counters);
+  return search_two(s.options, scene, split_pair_work(part, s.bvh, piece_count(s.bvh)), s.mesh.triangle_count(),
+                    counters);
 }
 
 std::vector<TrianglePair> SelfCollisionFinder::find_pairs_with(const SelfCollisionFinder& other,
@@ -233,7 +241,8 @@ std::vector<TrianglePair> SelfCollisionFinder::find_pairs_with(const SelfCollisi
     return State::view(s.mesh, side.pose, side.bvh, s.leaves, s.options.thickness);
   };
   const DiscreteScene scene{view(*state_, a), view(*other.state_, b), false, false, nullptr, nullptr};
-  return search_two(scene, split_pair_work(a.bvh, b.bvh, piece_count(b.bvh)), state_->mesh.triangle_count(), counters);
+  return search_two(state_->options, scene, split_pair_work(a.bvh, b.bvh, piece_count(b.bvh)),
+                    state_->mesh.triangle_count(), counters);
 }
 
 std::vector<CommonSegment> SelfCollisionFinder::find_segments(std::span<const TrianglePair> pairs) const {
@@ -252,8 +261,11 @@ std::vector<CommonSegment> SelfCollisionFinder::find_segments_with(const SelfCol
     check_triangle(other.state_->mesh, pair.second);
   }
   std::vector<CommonSegment> segments(pairs.size());
-  parallel_for(std::ssize(pairs), 256, [&](std::int64_t i) {
-    segments[i] = intersection_segment(corners(*state_, pairs[i].first), corners(*other.state_, pairs[i].second));
+  SearchProgress progress(state_->options, std::ssize(pairs));
+  parallel_ranges(std::ssize(pairs), 256, [&](std::int64_t first, std::int64_t last) {
+    for (std::int64_t i = first; i < last; ++i)
+      segments[i] = intersection_segment(corners(*state_, pairs[i].first), corners(*other.state_, pairs[i].second));
+    progress.add(last - first);
   });
   return segments;
 }

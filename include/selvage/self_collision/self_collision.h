@@ -5,6 +5,7 @@
 #include "selvage/self_collision/pair_filters.h"
 
 #include <compare>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -49,6 +50,11 @@ struct SelfCollisionOptions {
   /// distance; during a step those that come nearer at some time, and perhaps some that come within 2^-20 (below 1e-6)
   /// of the sum beyond it. Not for pairs that share a vertex.
   std::vector<double> thickness;
+
+  /// Called now and then while a query runs that looks for pairs, segments or times of impact, with the share of it
+  /// that is done: never less than before, 1 at the end. By one thread at a time, any of those that search; must not
+  /// throw.
+  std::function<void(double share)> on_progress{};
 };
 
 /// Two triangles of a surface that meet; first < second, unless they are of two surfaces.
