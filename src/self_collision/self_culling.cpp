@@ -50,7 +50,7 @@ void clear_from_root(const Bvh& bvh, const SurfacePieces& pieces, Index smallest
 /// is measured for the sample need not be measured again, but it is little.
 template <int kSteps>
 bool is_worth_asking(const SurfacePieces& pieces, GraphTest<kSteps>& test) {
-  constexpr std::size_t kOneOf = 16, kFewestSampled = 16;
+  constexpr std::size_t kOneOf = 16, kFewestSampled = 16, kMostSampled = 64;
   // What has to be clear for one that is asked: a triangle spared brings more where it would be compared during a step.
   constexpr double kWorthwhileShare = kSteps == 1 ? 0.75 : 1.0 / 16;
   std::vector<Index> small;
@@ -58,16 +58,17 @@ bool is_worth_asking(const SurfacePieces& pieces, GraphTest<kSteps>& test) {
     if (const Index size = pieces.ranges()[n].size(); size >= kSmallestPiece && size < 4 * kSmallestPiece)
       small.push_back(static_cast<Index>(n));
   if (small.size() < kFewestSampled) return true;
-  const std::size_t step = std::min(kOneOf, small.size() / kFewestSampled);
-  std::int64_t asked = 0, clear = 0;
+  const std::size_t step = std::max(std::min(kOneOf, small.size() / kFewestSampled), small.size() / kMostSampled);
+  std::int64_t may_fail = 0;
+  for (std::size_t i = 0; i < small.size(); i += step) may_fail += pieces.ranges()[small[i]].size();
+  may_fail = static_cast<std::int64_t>((1 - kWorthwhileShare) * static_cast<double>(may_fail));
   typename GraphTest<kSteps>::Workspace workspace;
-  for (std::size_t i = 0; i < small.size(); i += step) {
+  for (std::size_t i = 0; i < small.size() && may_fail >= 0; i += step) {
     const SurfacePieces::Range range = pieces.ranges()[small[i]];
     test.measure(range);
-    asked += range.size();
-    if (test.is_graph(small[i], workspace)) clear += range.size();
+    if (!test.is_graph(small[i], workspace)) may_fail -= range.size();
   }
-  return static_cast<double>(clear) >= kWorthwhileShare * static_cast<double>(asked);
+  return may_fail >= 0;
 }
 
 struct NoWorkspace {};
