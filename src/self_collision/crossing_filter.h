@@ -53,10 +53,16 @@ SELVAGE_INLINE WideFacingPairs face_each_other(const WideCorner (&a)[3], const W
   return pairs;
 }
 
-/// Lanes in which the triangles certainly cross: no vertex of either lies on the other's plane, both have vertices on
-/// both sides, and on the line common to the planes each begins before the other ends. The same test as that of
-/// classify_contact(), in single precision with a bound of all rounding.
-SELVAGE_INLINE unsigned certainly_cross(const WideCorner (&a)[3], const WideCorner (&b)[3]) {
+/// Lanes in which it is certain whether two triangles cross, or have no common point.
+struct CertainLanes {
+  unsigned cross;
+  unsigned apart;
+};
+
+/// Where no vertex of either triangle lies on the other's plane, and both have vertices on both sides: whether on the
+/// line common to the planes each begins before the other ends. The same test as that of classify_contact(), in single
+/// precision with a bound of all rounding.
+SELVAGE_INLINE CertainLanes tell_crossing(const WideCorner (&a)[3], const WideCorner (&b)[3]) {
   const WideHeights of_a = heights_over(b, a), of_b = heights_over(a, b);
   unsigned certain = 0xff;
   for (int i = 0; i < 3; ++i)
@@ -72,7 +78,8 @@ SELVAGE_INLINE unsigned certainly_cross(const WideCorner (&a)[3], const WideCorn
   // As in heights_over(), with no edge shorter than the others.
   const Float8 bound = difference_error(far) * far * far * Float8::broadcast(20) + Float8::broadcast(1e-30f);
   const Float8 before = dot(cross(u[0], w), v[0]), after = dot(cross(u[1], w), v[1]);
-  return certain & less_equal(before, negative(bound)) & less_equal(bound, after);
+  return {certain & less_equal(before, negative(bound)) & less_equal(bound, after),
+          certain & (less_equal(bound, before) | less_equal(after, negative(bound)))};
 }
 
 }  // namespace SELVAGE_ISA

@@ -73,7 +73,7 @@ class Search {
   Search(const DiscreteScene& scene, DiscreteResult& result)
       : scene_(scene),
         result_(result),
-        is_plain_(!scene.include_adjacent && scene.in_subset == nullptr && scene.a.triangle_of == nullptr),
+        takes_all_(scene.in_subset == nullptr && scene.a.thickness == nullptr && scene.b.thickness == nullptr),
         disjoint_(scene, result),
         by_vertex_(scene, result),
         by_edge_(scene, result) {}
@@ -172,15 +172,19 @@ class Search {
     const BvhNode& b = scene_.b.nodes[pairs.second];
     result_.counters.box_pairs += count_bits(pairs.bits);
     result_.counters.adjacent_pairs += count_bits(shared);
-    if (is_plain_) {
-      disjoint_.add_all(a, b, pairs.bits & ~shared);
-      return;
-    }
-    const std::uint64_t wanted = scene_.include_adjacent ? pairs.bits : pairs.bits & ~shared;
-    for (std::uint64_t rest = wanted; rest != 0; rest &= rest - 1) {
-      const int bit = lowest_bit(rest);
+    const std::uint64_t strangers = pairs.bits & ~shared;
+    if (takes_all_)
+      disjoint_.add_children(pairs.first, pairs.second, strangers);
+    else
+      add_each(a, b, strangers, false);
+    if (scene_.include_adjacent) add_each(a, b, shared, true);
+  }
+
+  void add_each(const BvhNode& a, const BvhNode& b, std::uint64_t bits, bool shares) {
+    for (; bits != 0; bits &= bits - 1) {
+      const int bit = lowest_bit(bits);
       add(triangle(scene_.a, a.children[bit / BvhNode::kWidth]), triangle(scene_.b, b.children[bit % BvhNode::kWidth]),
-          (shared >> bit & 1) != 0);
+          shares);
     }
   }
 
@@ -205,7 +209,7 @@ class Search {
 
   const DiscreteScene& scene_;
   DiscreteResult& result_;
-  bool is_plain_;  ///< all pairs without a common vertex are asked for, and no others
+  bool takes_all_;  ///< that have no common vertex and do not lie apart
   PairBatch disjoint_;
   AdjacentBatch<1> by_vertex_;
   AdjacentBatch<2> by_edge_;

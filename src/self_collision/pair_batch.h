@@ -3,6 +3,8 @@
 #include "self_collision/crossing_filter.h"
 #include "self_collision/discrete_kernel.h"
 #include "self_collision/eight_pairs.h"
+#include "self_collision/leaf_faces.h"
+#include "selvage/core/simd16.h"
 
 namespace selvage {
 inline namespace SELVAGE_ISA {
@@ -37,16 +39,12 @@ class PairQueue {
     return ++count_ >= kMany;
   }
 
-  /// Adds those pairs of children that are in the mask.
-  SELVAGE_INLINE bool add_all(const BvhNode& a, const BvhNode& b, std::uint64_t bits) {
-    int count = count_;
-    for (; bits != 0; bits &= bits - 1, ++count) {
-      const int bit = lowest_bit(bits);
-      first_[count] = a.children[bit / BvhNode::kWidth];
-      second_[count] = b.children[bit % BvhNode::kWidth];
-    }
-    count_ = count;
-    return count >= kMany;
+  /// Adds the lanes of a mask.
+  SELVAGE_INLINE bool add_lanes(Int8 first, Int8 second, unsigned lanes) {
+    store_packed(first, lanes, first_ + count_);
+    store_packed(second, lanes, second_ + count_);
+    count_ += count_lanes(lanes);
+    return count_ >= kMany;
   }
 
   /// Takes out groups of eight pairs.
@@ -78,9 +76,44 @@ class PairQueue {
 
  private:
   static constexpr int kGroup = 8, kMany = 64;
-  static constexpr int kRoom = kMany + BvhNode::kWidth * BvhNode::kWidth;
   int count_ = 0;
-  Index first_[kRoom], second_[kRoom];
+  Index first_[kMany + kGroup], second_[kMany + kGroup];
+};
+
+/// Triangles of a node that wait to be compared with some of another. Nothing is a branch: how many there are of two
+/// nodes is never the same.
+class RowQueue {
+ public:
+  /// Adds pairs of children of two nodes. Returns whether there are many.
+  SELVAGE_INLINE bool add(Index a, Index b, std::uint64_t pairs) {
+    alignas(32) static constexpr std::int32_t kRowNumbers[8] = {0, 0x100, 0x200, 0x300, 0x400, 0x500, 0x600, 0x700};
+    nodes_[node_pairs_][0] = a;
+    nodes_[node_pairs_][1] = b;
+    const Int8 lanes = Int8::from_bytes(pairs);
+    const unsigned rows = ~zero(lanes) & 0xffu;
+    store_packed(lanes | Int8::load(kRowNumbers) | Int8::broadcast(node_pairs_ << 16), rows, rows_ + count_);
+    count_ += count_lanes(rows);
+    node_pairs_ += pairs != 0;
+    return count_ >= kMany;
+  }
+
+  /// Takes all out.
+  ///
+  /// @param test  `test(Index a, Index b, int child of a, unsigned children of b)`
+  template <typename Test>
+  SELVAGE_INLINE void take_all(Test&& test) {
+    for (int i = 0; i < count_; ++i) {
+      const Index* const nodes = nodes_[rows_[i] >> 16];
+      test(nodes[0], nodes[1], rows_[i] >> 8 & 0xff, static_cast<unsigned>(rows_[i] & 0xff));
+    }
+    count_ = node_pairs_ = 0;
+  }
+
+ private:
+  static constexpr int kMany = 64, kRoom = kMany + BvhNode::kWidth;
+  int count_ = 0, node_pairs_ = 0;
+  Index nodes_[kRoom][2];
+  std::int32_t rows_[kRoom];  ///< children of b, child of a << 8, number of the two nodes << 16
 };
 
 /// What decides pairs exactly, one by one.
@@ -106,22 +139,39 @@ class PairBatch {
 
  public:
   PairBatch(const DiscreteScene& scene, DiscreteResult& result)
-      : scene_(scene), result_(result), has_thickness_(scene.a.thickness != nullptr || scene.b.thickness != nullptr) {}
+      : scene_(scene),
+        result_(result),
+        is_self_(scene.a.leaves == scene.b.leaves),
+        has_thickness_(scene.a.thickness != nullptr || scene.b.thickness != nullptr),
+        faces_of_a_(scene.a.rounded, scene.a.leaves),
+        faces_of_b_(scene.b.rounded, scene.b.leaves) {}
 
   SELVAGE_INLINE void add(Index first, Index second) {
     if (met_.add(first, second)) met_.take_groups(planes());
   }
-  SELVAGE_INLINE void add_all(const BvhNode& a, const BvhNode& b, std::uint64_t bits) {
-    if (met_.add_all(a, b, bits)) met_.take_groups(planes());
+  /// Adds those pairs of children of two nodes that are in the mask, told apart by the faces of both.
+  SELVAGE_INLINE void add_children(Index a, Index b, std::uint64_t bits) {
+    if (rows_.add(a, b, bits)) test_faces();
   }
 
   void flush() {
     met_.take_all(planes());
+    test_faces();
     close_.take_all(crossing());
     unclear_.take_all(edges());
   }
 
  private:
+  void test_faces() {
+    rows_.take_all([this](Index a, Index b, int row, unsigned lanes) {
+      const unsigned close =
+          lanes & ~beside_faces(faces_of_a_.of(a), row, is_self_ ? faces_of_a_.of(b, a) : faces_of_b_.of(b));
+      if (close_.add_lanes(Int8::broadcast(scene_.a.nodes[a].children[row]), Int8::load(scene_.b.nodes[b].children),
+                           close))
+        close_.take_groups(crossing());
+    });
+  }
+
   void test_planes(const Index* first, const Index* second, unsigned lanes) {
     const WidePairs pairs(scene_, first, second);
     unsigned apart;
@@ -131,22 +181,17 @@ class PairBatch {
     } else {
       apart = beside_plane(pairs.a, pairs.b) | beside_plane(pairs.b, pairs.a);
     }
-    for (unsigned rest = lanes & ~apart; rest != 0; rest &= rest - 1) {
-      const int i = lowest_lane(rest);
-      if (close_.add(first[i], second[i])) close_.take_groups(crossing());
-    }
+    if (close_.add_lanes(Int8::load(first), Int8::load(second), lanes & ~apart)) close_.take_groups(crossing());
   }
 
   void test_crossing(const Index* first, const Index* second, unsigned lanes) {
     const WidePairs pairs(scene_, first, second);
-    const unsigned sure = certainly_cross(pairs.a, pairs.b);
-    for (unsigned rest = lanes; rest != 0; rest &= rest - 1) {
-      const int i = lowest_lane(rest);
-      if ((sure >> i & 1) != 0)
-        take_crossing_pair(scene_, first[i], second[i], result_);
-      else if (unclear_.add(first[i], second[i]))
-        unclear_.take_groups(edges());
-    }
+    const CertainLanes certain = tell_crossing(pairs.a, pairs.b);
+    for (unsigned rest = lanes & certain.cross; rest != 0; rest &= rest - 1)
+      take_crossing_pair(scene_, first[lowest_lane(rest)], second[lowest_lane(rest)], result_);
+    // What lies apart may be too near.
+    const unsigned unclear = lanes & ~certain.cross & ~(has_thickness_ ? 0 : certain.apart);
+    if (unclear_.add_lanes(Int8::load(first), Int8::load(second), unclear)) unclear_.take_groups(edges());
   }
 
   void test_edges(const Index* first, const Index* second, unsigned lanes) {
@@ -168,7 +213,9 @@ class PairBatch {
 
   const DiscreteScene& scene_;
   DiscreteResult& result_;
-  bool has_thickness_;
+  bool is_self_, has_thickness_;
+  FaceCache faces_of_a_, faces_of_b_;
+  RowQueue rows_;
   PairQueue met_, close_, unclear_;
 };
 

@@ -70,14 +70,15 @@ SELVAGE_INLINE std::uint64_t meeting_children(const BvhNode& a, const BvhNode& b
   return bits & rows_below(a.child_count) & columns(b.present());
 }
 
-/// Hands on pairs of children of two nodes, of those in the mask `meeting`: primitives to `visit(PrimitivePairs)`,
-/// pairs with nodes to `push(NodePair)`: the primitives of a node stay together.
+/// Hands on pairs of children of two nodes, of those in the mask `meeting`: primitives to `visit(PrimitivePairs)`, even
+/// where there are none, for whether there are is hard to predict; pairs with nodes to `push(NodePair)`: the primitives
+/// of a node stay together.
 template <typename Push, typename Visit>
 SELVAGE_INLINE void hand_on_children(const BvhNode& a, const BvhNode& b, NodePair pair, std::uint64_t meeting,
                                      Push&& push, Visit&& visit) {
   const unsigned inner_a = inner_children(a), inner_b = inner_children(b);
   const std::uint64_t inner_rows = rows_below(count_lanes(inner_a)), inner_columns = columns(inner_b);
-  if (const std::uint64_t bits = meeting & ~inner_rows & ~inner_columns; bits != 0) visit({pair.a, pair.b, bits});
+  visit(PrimitivePairs{pair.a, pair.b, meeting & ~inner_rows & ~inner_columns});
   if ((inner_a | inner_b) == 0) return;
   const auto node_a = [&](int i) { return ~a.children[i]; };
   const auto node_b = [&](int k) { return ~b.children[k]; };

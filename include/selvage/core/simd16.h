@@ -136,10 +136,17 @@ struct Int8 {
     return {_mm256_cvtepu16_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(p)))};
   }
   SELVAGE_INLINE static Int8 broadcast(std::int32_t x) { return {_mm256_set1_epi32(x)}; }
+  /// Eight bytes, without sign, the lowest first.
+  SELVAGE_INLINE static Int8 from_bytes(std::uint64_t bytes) {
+    return {_mm256_cvtepu8_epi32(_mm_cvtsi64_si128(static_cast<long long>(bytes)))};
+  }
   SELVAGE_INLINE void store(std::int32_t* p) const { _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), v); }
 };
 SELVAGE_INLINE Int8 operator&(Int8 a, Int8 b) {
   return {_mm256_and_si256(a.v, b.v)};
+}
+SELVAGE_INLINE Int8 operator|(Int8 a, Int8 b) {
+  return {_mm256_or_si256(a.v, b.v)};
 }
 SELVAGE_INLINE Int8 operator~(Int8 a) {
   return {_mm256_xor_si256(a.v, _mm256_set1_epi32(-1))};
@@ -162,12 +169,22 @@ struct Int8 {
     return {{p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7]}};
   }
   SELVAGE_INLINE static Int8 broadcast(std::int32_t x) { return {{x, x, x, x, x, x, x, x}}; }
+  /// Eight bytes, without sign, the lowest first.
+  SELVAGE_INLINE static Int8 from_bytes(std::uint64_t bytes) {
+    Int8 a;
+    for (int i = 0; i < 8; ++i) a.v[i] = static_cast<std::int32_t>(bytes >> 8 * i & 0xff);
+    return a;
+  }
   SELVAGE_INLINE void store(std::int32_t* p) const {
     for (int i = 0; i < 8; ++i) p[i] = v[i];
   }
 };
 SELVAGE_INLINE Int8 operator&(Int8 a, const Int8& b) {
   for (int i = 0; i < 8; ++i) a.v[i] &= b.v[i];
+  return a;
+}
+SELVAGE_INLINE Int8 operator|(Int8 a, const Int8& b) {
+  for (int i = 0; i < 8; ++i) a.v[i] |= b.v[i];
   return a;
 }
 SELVAGE_INLINE Int8 operator~(Int8 a) {

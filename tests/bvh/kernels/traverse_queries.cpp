@@ -172,12 +172,17 @@ bool check_float16() {
 bool check_int8() {
   const std::int32_t a[8] = {0, -1, 5, std::numeric_limits<std::int32_t>::min(), 0, 0x12345, 0, 7};
   const std::uint16_t words[8] = {0, 1, 0x8000, 0xffff, 3, 0, 9, 7};
-  std::int32_t both[8], inverse[8], packed[8], same[8];
+  std::int32_t both[8], either[8], bytes[8], inverse[8], packed[8], same[8];
   (Int8::load(a) & Int8::load(words)).store(both);
+  (Int8::load(a) | Int8::load(words)).store(either);
+  Int8::from_bytes(0xff807f0100fe0203u).store(bytes);
   (~Int8::load(a)).store(inverse);
   Int8::broadcast(-3).store(same);
   bool good = zero(Int8::load(a)) == 0x51u && negative(Int8::load(a)) == 0x0au;
-  for (int i = 0; i < 8; ++i) good = good && both[i] == (a[i] & words[i]) && inverse[i] == ~a[i] && same[i] == -3;
+  for (int i = 0; i < 8; ++i) {
+    good = good && both[i] == (a[i] & words[i]) && either[i] == (a[i] | words[i]) && inverse[i] == ~a[i];
+    good = good && bytes[i] == static_cast<std::int32_t>(0xff807f0100fe0203u >> 8 * i & 0xffu) && same[i] == -3;
+  }
   for (unsigned lanes = 0; lanes < 256; ++lanes) {
     store_packed(Int8::load(a), lanes, packed);
     int count = 0;
