@@ -36,7 +36,7 @@ void GroupSearch<D>::walk_down() {
   constexpr int kFew = 4;
   nodes_.count = faces_.count = 0;
   if (scene_.face_nodes.empty() || present_ == 0) return;
-  const traversal::WideBox reach = box_of_reach();
+  const traversal::WideBox reach(box_of_reach(limit_));
   nodes_.items[0] = 0;
   nodes_.lanes[nodes_.count++] = static_cast<Index>(present_);
   for (std::size_t next = 0; next < nodes_.count; ++next) {
@@ -58,13 +58,13 @@ void GroupSearch<D>::walk_down() {
   }
 }
 
-/// A box around all that is near enough to be an answer.
+/// A box around all that lies within some reach of each point.
 template <int D>
-traversal::WideBox GroupSearch<D>::box_of_reach() const {
+Box GroupSearch<D>::box_of_reach(const float (&squared_reach)[kWidth]) const {
   Box box = Box::empty();
   for (unsigned rest = present_; rest != 0; rest &= rest - 1) {
     const int lane = lowest_lane(rest);
-    const float radius = std::sqrt(limit_[lane]) * (1 + 0x1p-20f);
+    const float radius = std::sqrt(squared_reach[lane]) * (1 + 0x1p-20f);
     for (int i = 0; i < 3; ++i) {
       // The sum is rounded, too.
       const float lower = lower_[i][lane] - radius, upper = upper_[i][lane] + radius;
@@ -72,7 +72,7 @@ traversal::WideBox GroupSearch<D>::box_of_reach() const {
       box.upper[i] = std::max(box.upper[i], upper + 0x1p-22f * std::abs(upper));
     }
   }
-  return traversal::WideBox(box);
+  return box;
 }
 
 template <int D>

@@ -26,6 +26,24 @@ unsigned GroupSearch<D>::guess(unsigned lanes) {
   return some;
 }
 
+/// Mostly there is no defect anywhere near the group, and no search needs to look for one itself.
+template <int D>
+void GroupSearch<D>::look_for_defects() {
+  constexpr float kFarBeyond = 8;
+  alignas(64) float squared_reach[kWidth];
+  (Float16::load(guesses_.squared_distance) * Float16::broadcast(kFarBeyond * kFarBeyond)).store(squared_reach);
+  bool any = false;
+  if (present_ != 0)
+    visit_overlaps(scene_.defect_nodes, box_of_reach(squared_reach), [&](Index) {
+      any = true;
+      return false;
+    });
+  for (unsigned rest = present_; rest != 0; rest &= rest - 1) {
+    const int lane = lowest_lane(rest);
+    searches_[lane].take_defects(scene_.defect_nodes.empty() ? HUGE_VALF : squared_reach[lane], any);
+  }
+}
+
 /// Goes on to neighbours as long as they come closer.
 template <int D>
 void GroupSearch<D>::approach(unsigned lanes) {

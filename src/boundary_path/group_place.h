@@ -9,7 +9,9 @@ inline namespace SELVAGE_ISA {
 template <int D>
 void GroupSearch<D>::prefetch_ends(std::span<const PathTask<D>> tasks) const {
   for (const PathTask<D>& task : tasks) {
-    for (const Index v : scene_.elements[task.query.element].vertices) prefetch(scene_.rounded + v);
+    const PathElement<D>& element = scene_.elements[task.query.element];
+    for (const Index v : element.vertices) prefetch(scene_.rounded + v);
+    for (const Index neighbour : element.neighbours) prefetch_across(scene_, neighbour);
     if (const Index hint = scene_.hints[task.query.element]; hint != kNone) prefetch(scene_.face_stars + hint);
   }
 }

@@ -100,7 +100,8 @@ class GroupSearch {
   void take_bound(int lane);
   void collect_faces();
   void walk_down();
-  traversal::WideBox box_of_reach() const;
+  void look_for_defects();
+  Box box_of_reach(const float (&squared_reach)[kWidth]) const;
   void visit_together(Index place, unsigned lanes, const traversal::WideBox& reach);
   void visit(Index place, Index lane);
   unsigned see_askew(const ChildSpheres& spheres, const ConeNode& cones, int child) const;
@@ -166,6 +167,7 @@ template <int D>
 unsigned GroupSearch<D>::search_near_guesses(unsigned lanes, int& bad_guesses) {
   constexpr float kSlack = 1 + 1e-4f, kBad = 1.5f;
   present_ = guess(lanes);
+  look_for_defects();
   for (unsigned rest = present_; rest != 0; rest &= rest - 1) {
     const int lane = lowest_lane(rest);
     searches_[lane].suppose(double(kSlack * guesses_.squared_distance[lane]) + 1e-30);
@@ -195,6 +197,7 @@ void GroupSearch<D>::search_from_paths(unsigned lanes) {
     guesses_.face[lane] = searches_[lane].first_face();
     guesses_.nearest[lane] = kNone;
     guesses_.squared_distance[lane] = HUGE_VALF;
+    searches_[lane].take_defects(searches_[lane].squared_reach(), true);
   }
   if (scene_.options.use_hints) start_from_others(lanes);
   present_ = lanes;

@@ -46,6 +46,12 @@ class Search {
     return scene_.face_stars[face].component == component_ && !is_excluded(face) && !scene_.inverted_owner[face];
   }
 
+  /// Learns how far p is from the nearest defect of its component, unless that is farther than this: then it is as if
+  /// one were there. Without `look` none is nearer.
+  void take_defects(float squared_reach, bool look);
+  /// A reach that is beyond any likely answer.
+  float squared_reach() const;
+
   /// Looks for answers no farther than this. Nothing is said of whether there are any.
   void suppose(double squared_distance);
   /// From now on also farther. False when there is no answer yet: then all faces are to be considered anew.
@@ -99,7 +105,6 @@ class Search {
 
   bool may_postpone(const Candidate<D>& candidate) const;
   double squared_distance_to_hint() const;
-  void set_safe_distance(bool own);
   void start_from(Index face);
   void start_anywhere();
   void test(const Candidate<D>& candidate);
@@ -130,6 +135,7 @@ class Search {
   PathCounters* counters_;
   CandidateFactory<D> candidates_;
   bool is_inside_ = false, strictly_inside_ = false;
+  bool is_on_own_ = false;     ///< p may lie on its own element's boundary
   bool is_at_source_ = false;  ///< p is where the vertex is that it comes from
   Index component_ = 0;
   ComponentState state_ = ComponentState::kImmersed;
@@ -169,10 +175,8 @@ bool Search<D>::locate(bool is_inside) {
   // Faces that contain p materially are no candidates, which the theorems do not know: rely on them only where p is
   // known to be off the boundary, or is a vertex that came from elsewhere.
   const auto& vertices = scene_.elements[query_.element].vertices;
-  const bool own = query_.source[0] == kNone
-                       ? !strictly_inside_
-                       : contains(vertices, query_.source[0]) || contains(vertices, query_.source[1]);
-  set_safe_distance(own);
+  is_on_own_ = query_.source[0] == kNone ? !strictly_inside_
+                                         : contains(vertices, query_.source[0]) || contains(vertices, query_.source[1]);
   is_at_source_ = strictly_inside_ && query_.source[0] != kNone && query_.source[1] == kNone &&
                   query_.point == scene_.positions[query_.source[0]];
   for (Index& slot : seen_) slot = kNone;
@@ -287,14 +291,18 @@ double Search<D>::squared_distance_to_hint() const {
   return least;
 }
 
-/// How far p is from the nearest defect of its component, unless that is far beyond any answer. The rules for inverted
-/// elements look along the line up to twice a candidate's distance beyond it: three times that distance from p.
 template <int D>
-void Search<D>::set_safe_distance(bool own) {
+float Search<D>::squared_reach() const {
   constexpr double kFarBeyond = 8;
-  float nearest = HUGE_VALF;
-  if (!scene_.defect_nodes.empty()) {
-    nearest = round_up(kFarBeyond * kFarBeyond * squared_distance_to_hint());
+  return round_up(kFarBeyond * kFarBeyond * squared_distance_to_hint());
+}
+
+/// The rules for inverted elements look along the line up to twice a candidate's distance beyond it: three times that
+/// distance from p.
+template <int D>
+void Search<D>::take_defects(float squared_reach, bool look) {
+  float nearest = squared_reach;
+  if (look) {
     const Box box = scene_.frame.around_point(query_.point);
     visit_nearest(scene_.defect_nodes, box, nearest, [&](Index defect, float squared_distance) {
       if (scene_.defects[defect].component == component_ && squared_distance < nearest) nearest = squared_distance;
@@ -302,7 +310,7 @@ void Search<D>::set_safe_distance(bool own) {
     });
   }
   defect_distance_ = std::sqrt(double(nearest)) * (state_ == ComponentState::kInverted ? 0.333 : 1.0);
-  safe_distance_ = own ? 0 : defect_distance_;
+  safe_distance_ = is_on_own_ ? 0 : defect_distance_;
 }
 
 }  // namespace SELVAGE_ISA

@@ -77,6 +77,12 @@ inline bool is_split(const PathScene<D>& scene, const Candidate<D>& candidate) {
   return true;
 }
 
+/// The element on the other side of a face, if there is one; without a branch.
+template <int D>
+SELVAGE_INLINE void prefetch_across(const PathScene<D>& scene, Index neighbour) {
+  prefetch(scene.elements + HalfFace{neighbour & ~(neighbour >> 31)}.element());
+}
+
 /// The segment from p to the closest point s of a candidate, seen along itself.
 ///
 /// Vertices are sheared so that the line through p and s becomes the axis; then the side on which the line passes an

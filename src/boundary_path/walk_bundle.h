@@ -174,7 +174,8 @@ inline unsigned WalkBundle::arrive() {
     }
     ++visited_[lane];
     element_[lane] = next.element();
-    const auto& vertices = scene_.elements[next.element()].vertices;
+    const auto& [vertices, neighbours] = scene_.elements[next.element()];
+    for (const Index neighbour : neighbours) prefetch_across(scene_, neighbour);
     apexes_[0][lane] = vertices[next.face()];
     if (next.element() == goal_[lane] ||
         (contains(vertices, goal_vertices_[0][lane]) && contains(vertices, goal_vertices_[1][lane]))) {
@@ -201,7 +202,6 @@ inline void WalkBundle::pass_gates() {
     const int behind = static_cast<int>(1 + (last >> lane & 1) - (first >> lane & 1));
     const PathElement<3>& element = scene_.elements[element_[lane]];
     next_[lane] = element.neighbours[position_in(element.vertices, vertices_[behind][lane])];
-    prefetch(scene_.elements + (HalfFace{next_[lane]}.exists() ? HalfFace{next_[lane]}.element() : element_[lane]));
     set_corner(behind, lane, apexes_[0][lane], rows);
   }
 }
