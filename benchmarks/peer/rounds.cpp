@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <random>
 
 namespace selvage::bench {
 
@@ -46,8 +47,14 @@ void Rounds::add(std::string name, std::function<void()> run) {
 void Rounds::run(double seconds, int fewest, int most) {
   for (const Contender& c : contenders_) c.run();
   const double end = seconds_of(CLOCK_MONOTONIC) + seconds;
-  for (int i = 0; i < most && (i < fewest || seconds_of(CLOCK_MONOTONIC) < end); ++i)
-    for (Contender& c : contenders_) c.durations.push_back(measure(c.run));
+  // In an order of its own each round: who comes after another finds in the caches what both read.
+  std::vector<Contender*> order;
+  for (Contender& c : contenders_) order.push_back(&c);
+  std::mt19937 random;
+  for (int i = 0; i < most && (i < fewest || seconds_of(CLOCK_MONOTONIC) < end); ++i) {
+    std::shuffle(order.begin(), order.end(), random);
+    for (Contender* c : order) c->durations.push_back(measure(c->run));
+  }
 }
 
 const Rounds::Contender& Rounds::find(const std::string& name) const {
