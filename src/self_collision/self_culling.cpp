@@ -50,7 +50,7 @@ void clear_from_root(const Bvh& bvh, const SurfacePieces& pieces, Index smallest
 /// is measured for the sample need not be measured again, but it is little.
 template <int kSteps>
 bool is_worth_asking(const SurfacePieces& pieces, GraphTest<kSteps>& test) {
-  constexpr std::size_t kOneOf = 16, kFewestSampled = 16, kMostSampled = 64;
+  constexpr std::size_t kOneOf = 16, kFewestSampled = 16, kMostSampled = 32;
   // What has to be clear for one that is asked: a triangle spared brings more where it would be compared during a step.
   constexpr double kWorthwhileShare = kSteps == 1 ? 0.75 : 1.0 / 16;
   std::vector<Index> small;
