@@ -31,16 +31,19 @@ template <int D>
 void GroupSearch<D>::look_for_defects() {
   constexpr float kFarBeyond = 8;
   alignas(64) float squared_reach[kWidth];
-  (Float16::load(guesses_.squared_distance) * Float16::broadcast(kFarBeyond * kFarBeyond)).store(squared_reach);
   bool any = false;
-  if (present_ != 0)
+  if (scene_.defect_nodes.empty()) {
+    Float16::broadcast(HUGE_VALF).store(squared_reach);
+  } else if (present_ != 0) {
+    (Float16::load(guesses_.squared_distance) * Float16::broadcast(kFarBeyond * kFarBeyond)).store(squared_reach);
     visit_overlaps(scene_.defect_nodes, box_of_reach(squared_reach), [&](Index) {
       any = true;
       return false;
     });
+  }
   for (unsigned rest = present_; rest != 0; rest &= rest - 1) {
     const int lane = lowest_lane(rest);
-    searches_[lane].take_defects(scene_.defect_nodes.empty() ? HUGE_VALF : squared_reach[lane], any);
+    searches_[lane].take_defects(squared_reach[lane], any);
   }
 }
 

@@ -20,8 +20,8 @@ struct NoBundle {
 /// The searches of up to sixteen queries that lie near each other.
 ///
 /// How far the answers are is guessed: from faces that are near in the mesh, and from each other's. Then all walk down
-/// the hierarchy over the boundary faces, level by level and in turns, so that a node has arrived in the cache when its
-/// turn comes, and without a branch that depends on what is found there. What is left are pairs of a query and a face:
+/// the hierarchy over the boundary faces, level by level, so that a node has arrived in the cache when its turn comes,
+/// and together where many come to the same. What is left are pairs of a query and a face:
 /// sixteen at a time are looked at in single precision, and the few that may be answers are considered near to far, the
 /// first of each query side by side. Where a path is found the guess was right, as nothing nearer can have been missed;
 /// the others look for a first path one by one, whose length is a bound, and then do the same again.
