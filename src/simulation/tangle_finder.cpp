@@ -1,0 +1,64 @@
+#include "simulation/tangle_finder.h"
+
+#include <algorithm>
+
+namespace selvage {
+
+namespace {
+
+ContactOptions all_points() {
+  ContactOptions options;
+  options.mode = DetectionMode::kDcd;
+  options.interior_points = true;
+  return options;
+}
+
+}  // namespace
+
+TangleFinder::TangleFinder(const TetMesh& mesh, std::span<const Vec3> positions)
+    : mesh_(mesh),
+      contact_finder_(mesh, {}, positions, {}, all_points()),
+      pair_finder_(contact_finder_.surface(), positions) {}
+
+ResolveIteration TangleFinder::measure(std::span<const Vec3> positions) {
+  contact_finder_.begin_step(positions);
+  contact_finder_.find_contacts(positions, contacts_);
+  pair_finder_.update(positions);
+  pairs_ = pair_finder_.find_pairs();
+  ResolveIteration now;
+  now.triangle_pairs = std::ssize(pairs_);
+  now.blocked_points = contact_finder_.statistics().blocked_paths;
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const double depth = std::max(0.0, -gap_of(contacts_[i], positions));
+    now.deepest = std::max(now.deepest, depth);
+    now.total_depth += depth;
+    if (i > 0 && point_of(contacts_[i]) == point_of(contacts_[i - 1])) continue;
+    switch (contacts_[i].kind) {
+      case ContactKind::kVertexPath:
+        ++now.penetrating_vertices;
+        break;
+      case ContactKind::kEdgePath:
+        ++now.penetrating_edges;
+        break;
+      default:
+        ++now.penetrating_centroids;
+    }
+  }
+  return now;
+}
+
+std::vector<Index> TangleFinder::find_elements() const {
+  std::vector<Index> elements;
+  const auto add_face = [&](Index face) { elements.push_back(mesh_.boundary_owners()[face].element()); };
+  for (const TrianglePair& pair : pairs_) {
+    add_face(pair.first);
+    add_face(pair.second);
+  }
+  for (const Contact& contact : contacts_) {
+    add_face(contact.surface_feature);
+    if (contact.kind == ContactKind::kCentroidPath) elements.push_back(contact.point_feature);
+  }
+  return elements;
+}
+
+}  // namespace selvage
