@@ -69,8 +69,13 @@ void project_contact(const Contact& contact, std::span<const Vec3> start, std::s
   const Vec3 offset = offset_of_rows(contact, vertices);
   double depth = -contact.normal.dot(offset);
   if (!(depth > 0)) return;
-  if (is_path(contact.kind))
-    for (int i = 0; i < contact.count; ++i) depth = std::min(depth, reaches[contact.vertices[i]]);
+  double reach = reaches[contact.vertices[0]];
+  for (int i = 1; i < contact.count; ++i) reach = std::min(reach, reaches[contact.vertices[i]]);
+  if (is_path(contact.kind)) {
+    depth = std::min(depth, reach);
+  } else {
+    depth += std::clamp(gap_of(contact, start), 0.0, kContactGap * reach);
+  }
   ContactSides sides(contact, vertices);
   if (!sides.can_move()) return;
   const Vec3 out = depth * contact.normal;

@@ -7,7 +7,14 @@
 
 namespace selvage {
 
+/// Part of a reach by which what meets a surface is kept in front of it.
+inline constexpr double kContactGap = 0.01;
+
 /// Moves vertices out of every contact, one after the other in the order given, and holds back what slides.
+///
+/// What meets a surface stays in front of it, by as much as it was and kContactGap at most, which gives it no speed:
+/// set on the surface itself, rounding and other contacts would leave half of it inside, for the next step to look for
+/// its way out.
 ///
 /// What is sent out of a body goes at most so far at a time as the least reach of the vertices concerned: where
 /// elements are inside out, the way that is found for a point can be a long detour, and all the way at once would turn

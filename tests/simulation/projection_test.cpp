@@ -96,6 +96,24 @@ TEST(Projection, SendsNothingFartherThanItsVerticesReach) {
   }
 }
 
+/// As far as it was, at most by a little; what was inside comes out to the surface.
+TEST(Projection, KeepsWhatMeetsASurfaceInFrontOfIt) {
+  struct Case {
+    ContactKind kind;
+    double before, after;
+  };
+  for (const auto& [kind, before, after] :
+       {Case{ContactKind::kVertexFace, -0.5, 0}, Case{ContactKind::kVertexFace, 0, 0},
+        Case{ContactKind::kVertexFace, 0.4 * kContactGap, 0.4 * kContactGap},
+        Case{ContactKind::kEdgeEdge, 0.5, kContactGap}, Case{ContactKind::kEdgePath, 0.5, 0}}) {
+    Scratch scratch({1, 1, 1, 1}, {0.2, 0.3, 0.5}, 0.1);
+    scratch.contact.kind = kind;
+    scratch.start[0][2] = before;
+    scratch.project();
+    EXPECT_NEAR(scratch.gap(), after, 1e-15) << before;
+  }
+}
+
 TEST(Projection, LeavesOutWhatTouchesAnInvertedElement) {
   const TetMesh mesh(8, {{0, 1, 2, 3}, {4, 5, 6, 7}});
   std::vector<Vec3> start{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 3}, {1, 0, 3}, {0, 1, 3}, {0, 0, 4}};
