@@ -12,7 +12,7 @@ namespace selvage {
 
 namespace {
 
-constexpr Index kVerticesAtOnce = 2048;
+constexpr Index kVerticesPerChunk = 2048;
 
 /// One triangle's side of an edge, seen from the edge's smaller vertex.
 struct Spoke {
@@ -48,10 +48,10 @@ TriangleMesh::TriangleMesh(Index vertex_count, std::vector<Triangle> triangles)
   build_vertex_stars<3>(vertex_count_, triangles_, vertex_triangle_, vertex_triangle_first_);
 
   // Edges are numbered by their smaller vertex, so that each vertex lists its own once all know how many came before.
-  const Index chunks = (vertex_count_ + kVerticesAtOnce - 1) / kVerticesAtOnce;
+  const Index chunks = (vertex_count_ + kVerticesPerChunk - 1) / kVerticesPerChunk;
   const auto vertices_of = [&](std::int64_t chunk) {
-    const Index first = static_cast<Index>(chunk) * kVerticesAtOnce;
-    return std::views::iota(first, std::min(first + kVerticesAtOnce, vertex_count_));
+    const Index first = static_cast<Index>(chunk) * kVerticesPerChunk;
+    return std::views::iota(first, std::min(first + kVerticesPerChunk, vertex_count_));
   };
   std::vector<std::vector<Spoke>> spokes(chunks);
   std::vector<Index> first_edge(static_cast<std::size_t>(vertex_count_) + 1, 0), first_spoke = first_edge;
