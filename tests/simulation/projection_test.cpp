@@ -98,14 +98,14 @@ TEST(Projection, SendsNothingFartherThanItsVerticesReach) {
 
 /// As far as it was, at most by a little; what was inside comes out to the surface.
 TEST(Projection, KeepsWhatMeetsASurfaceInFrontOfIt) {
-  struct Case {
+  struct Meeting {
     ContactKind kind;
     double before, after;
   };
   for (const auto& [kind, before, after] :
-       {Case{ContactKind::kVertexFace, -0.5, 0}, Case{ContactKind::kVertexFace, 0, 0},
-        Case{ContactKind::kVertexFace, 0.4 * kContactGap, 0.4 * kContactGap},
-        Case{ContactKind::kEdgeEdge, 0.5, kContactGap}, Case{ContactKind::kEdgePath, 0.5, 0}}) {
+       {Meeting{ContactKind::kVertexFace, -0.5, 0}, Meeting{ContactKind::kVertexFace, 0, 0},
+        Meeting{ContactKind::kVertexFace, 0.4 * kContactGap, 0.4 * kContactGap},
+        Meeting{ContactKind::kEdgeEdge, 0.5, kContactGap}, Meeting{ContactKind::kEdgePath, 0.5, 0}}) {
     Scratch scratch({1, 1, 1, 1}, {0.2, 0.3, 0.5}, 0.1);
     scratch.contact.kind = kind;
     scratch.start[0][2] = before;
