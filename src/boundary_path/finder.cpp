@@ -252,14 +252,16 @@ std::vector<BoundaryPath<D>> BoundaryPathFinder<D>::find_paths(std::span<const P
   const std::vector<Index> order = state_->order_in_groups(queries);
   std::vector<BoundaryPath<D>> paths(queries.size());
   const PathScene<D> scene = state_->scene();
-  constexpr std::int64_t kQueriesAtOnce = 8 * kPointGroup;
-  const std::int64_t batches = (std::ssize(order) + kQueriesAtOnce - 1) / kQueriesAtOnce;
-  parallel_for(batches, 1, [&](std::int64_t k) {
-    const auto share = std::span(order).subspan(k * kQueriesAtOnce);
-    const std::size_t n = std::min<std::size_t>(share.size(), kQueriesAtOnce);
-    std::array<PathTask<D>, kQueriesAtOnce> tasks;
-    std::array<PathResult<D>, kQueriesAtOnce> results;
-    std::array<PathCounters, kQueriesAtOnce> counts{};
+  // Few queries in small batches, so that there is one for each core.
+  constexpr std::int64_t kMostGroups = 8, kMostAtOnce = kMostGroups * kPointGroup, kBatches = 16;
+  const std::int64_t groups = (std::ssize(order) + kPointGroup - 1) / kPointGroup;
+  const std::int64_t at_once = kPointGroup * std::clamp<std::int64_t>(groups / kBatches, 1, kMostGroups);
+  parallel_for((std::ssize(order) + at_once - 1) / at_once, 1, [&](std::int64_t k) {
+    const auto share = std::span(order).subspan(k * at_once);
+    const auto n = std::min<std::size_t>(share.size(), at_once);
+    std::array<PathTask<D>, kMostAtOnce> tasks;
+    std::array<PathResult<D>, kMostAtOnce> results;
+    std::array<PathCounters, kMostAtOnce> counts{};
     for (std::size_t i = 0; i < n; ++i) {
       tasks[i].query = queries[share[i]];
       tasks[i].query.point = state_->to_scene(tasks[i].query.point);

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <ranges>
 
 namespace selvage {
 
@@ -49,20 +48,20 @@ TriangleMesh::TriangleMesh(Index vertex_count, std::vector<Triangle> triangles)
 
   // Edges are numbered by their smaller vertex, so that each vertex lists its own once all know how many came before.
   const Index chunks = (vertex_count_ + kVerticesPerChunk - 1) / kVerticesPerChunk;
-  const auto vertices_of = [&](std::int64_t chunk) {
+  const auto visit_vertices = [&](std::int64_t chunk, auto&& visit) {
     const Index first = static_cast<Index>(chunk) * kVerticesPerChunk;
-    return std::views::iota(first, std::min(first + kVerticesPerChunk, vertex_count_));
+    for (Index v = first; v < std::min(first + kVerticesPerChunk, vertex_count_); ++v) visit(v);
   };
   std::vector<std::vector<Spoke>> spokes(chunks);
   std::vector<Index> first_edge(static_cast<std::size_t>(vertex_count_) + 1, 0), first_spoke = first_edge;
   parallel_for(chunks, 1, [&](std::int64_t chunk) {
-    for (const Index v : vertices_of(chunk)) {
+    visit_vertices(chunk, [&](Index v) {
       const std::size_t before = spokes[chunk].size();
       gather_spokes(*this, v, spokes[chunk]);
       const std::span own = std::span<const Spoke>(spokes[chunk]).subspan(before);
       first_edge[v + 1] = count_edges(own);
       first_spoke[v + 1] = static_cast<Index>(own.size());
-    }
+    });
   });
   std::inclusive_scan(first_edge.begin(), first_edge.end(), first_edge.begin());
   std::inclusive_scan(first_spoke.begin(), first_spoke.end(), first_spoke.begin());
@@ -74,7 +73,7 @@ TriangleMesh::TriangleMesh(Index vertex_count, std::vector<Triangle> triangles)
   triangle_edges_.resize(triangles_.size());
   parallel_for(chunks, 1, [&](std::int64_t chunk) {
     const Spoke* spoke = spokes[chunk].data();
-    for (const Index v : vertices_of(chunk)) {
+    visit_vertices(chunk, [&](Index v) {
       Index edge = first_edge[v] - 1, other = kNone;
       for (Index place = first_spoke[v]; place < first_spoke[v + 1]; ++place, ++spoke) {
         if (spoke->other != other) {
@@ -85,7 +84,7 @@ TriangleMesh::TriangleMesh(Index vertex_count, std::vector<Triangle> triangles)
         edge_triangle_[place] = spoke->triangle;
         triangle_edges_[spoke->triangle][spoke->opposite] = edge;
       }
-    }
+    });
   });
 }
 

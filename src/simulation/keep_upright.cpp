@@ -23,8 +23,15 @@ std::vector<Index> find_inverted(const TetMesh& mesh, std::span<const Vec3> posi
 }
 
 std::vector<Index> keep_upright(const TetMesh& mesh, std::span<const Vec3> before, std::span<const Index> inverted,
-                                std::span<Vec3> positions) {
-  std::vector<int> halvings(positions.size(), 0);
+                                int evenings, std::span<Vec3> positions) {
+  const auto mean_way = [&](Index v) {
+    Vec3 sum = Vec3::Zero();
+    for (const Index e : mesh.vertex_elements(v))
+      for (const Index w : mesh.elements()[e]) sum += positions[w] - before[w];
+    return Vec3(sum / (4.0 * static_cast<double>(mesh.vertex_elements(v).size())));
+  };
+  std::vector<int> shortened(positions.size(), 0);
+  std::vector<Vec3> ways;
   for (;;) {
     std::vector<Index> now = find_inverted(mesh, positions), turned, vertices;
     std::set_difference(now.begin(), now.end(), inverted.begin(), inverted.end(), std::back_inserter(turned));
@@ -33,8 +40,16 @@ std::vector<Index> keep_upright(const TetMesh& mesh, std::span<const Vec3> befor
     for (const Index e : turned) vertices.insert(vertices.end(), mesh.elements()[e].begin(), mesh.elements()[e].end());
     std::sort(vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-    for (const Index v : vertices)
-      positions[v] = halvings[v]++ < kHalvings ? Vec3((before[v] + positions[v]) / 2) : before[v];
+    ways.clear();
+    for (const Index v : vertices) {
+      const int round = shortened[v]++;
+      if (round < evenings) {
+        ways.push_back(mean_way(v));
+      } else {
+        ways.push_back((round < evenings + kHalvings ? 0.5 : 0.0) * (positions[v] - before[v]));
+      }
+    }
+    for (std::size_t i = 0; i < vertices.size(); ++i) positions[vertices[i]] = before[vertices[i]] + ways[i];
   }
 }
 

@@ -59,7 +59,7 @@ Model make_relative_model(const TetMesh& mesh, const std::vector<Vec3>& rest) {
 
 }  // namespace
 
-Relaxation::Relaxation(const TetMesh& mesh, std::vector<Vec3>& positions, const ResolveOptions& options)
+Relaxation::Relaxation(const TetMesh& mesh, std::vector<Vec3>& positions, const ResolveOptions& options, int evenings)
     : mesh_(mesh),
       positions_(positions),
       input_(positions),
@@ -67,6 +67,7 @@ Relaxation::Relaxation(const TetMesh& mesh, std::vector<Vec3>& positions, const 
       length_(mean_edge_length(mesh, model_.rest_positions)),
       clearance_(options.clearance),
       max_displacement_(options.max_displacement),
+      evenings_(evenings),
       push_{std::max(clearance_, kUntanglingClearance) * length_, kPush / kPasses * length_},
       material_(model_, 1) {
   for (const Vec3& p : positions_) vertices_.push_back({{p[0], p[1], p[2]}, 0});
@@ -129,7 +130,9 @@ void Relaxation::relax() {
   std::vector<Vec3> upright = positions_;
   for (Index v = 0; v < mesh_.vertex_count(); ++v)
     if (is_awake_[v]) upright[v] = Eigen::Map<const Eigen::Vector3d>(vertices_[v].position);
-  inverted_ = keep_upright(mesh_, before, inverted_, upright);
+  const std::vector<Vec3> wanted = upright;
+  inverted_ = keep_upright(mesh_, before, inverted_, evenings_, upright);
+  has_held_back_ = has_held_back_ || upright != wanted;
   set_positions(upright);
 }
 

@@ -11,7 +11,8 @@ namespace selvage {
 class Relaxation {
  public:
   /// @param positions  (n_vertices x 3) where the mesh is; moved by relax() and place()
-  Relaxation(const TetMesh& mesh, std::vector<Vec3>& positions, const ResolveOptions& options);
+  /// @param evenings   see keep_upright()
+  Relaxation(const TetMesh& mesh, std::vector<Vec3>& positions, const ResolveOptions& options, int evenings);
 
   const Model& model() const { return model_; }
   /// Where vertices were at first.
@@ -19,6 +20,8 @@ class Relaxation {
   /// Elements that are inside out or flat now, ascending.
   std::span<const Index> inverted() const { return inverted_; }
   std::int64_t count_awake() const;
+  /// Whether any vertex has ever been held back, so that elements stay upright.
+  bool has_held_back() const { return has_held_back_; }
 
   /// Takes over contacts, sorted by point; of points that have none, those of the last iterations. Their vertices
   /// wake, and those of inverted elements.
@@ -53,12 +56,14 @@ class Relaxation {
   const Model model_;
   const double length_;  ///< mean of the boundary's edges at rest [m]
   const double clearance_, max_displacement_;
+  const int evenings_;
   Push push_;
   MaterialSolver material_;
   std::vector<VertexRow> vertices_;  ///< those asleep have no inverse mass; followed by the solver's stand-ins
   std::vector<std::uint8_t> is_free_, is_awake_;
   std::vector<Index> inverted_;
   std::vector<HeldContact> held_;
+  bool has_held_back_ = false;
 };
 
 }  // namespace selvage

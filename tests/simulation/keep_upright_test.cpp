@@ -27,7 +27,7 @@ TEST(KeepUpright, LeavesAloneWhatTurnsNothing) {
   const Block block;
   const std::vector<Vec3> moved = shaken(block.before, 0.01, 1);
   std::vector<Vec3> kept = moved;
-  EXPECT_TRUE(keep_upright(block.mesh, block.before, {}, kept).empty());
+  EXPECT_TRUE(keep_upright(block.mesh, block.before, {}, 0, kept).empty());
   EXPECT_EQ(kept, moved);
 }
 
@@ -36,7 +36,7 @@ TEST(KeepUpright, NoElementTurnsHoweverVerticesMove) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     const std::vector<Vec3> moved = shaken(block.before, 0.05 * (1 + seed), seed);
     std::vector<Vec3> kept = moved;
-    keep_upright(block.mesh, block.before, {}, kept);
+    keep_upright(block.mesh, block.before, {}, 0, kept);
     EXPECT_TRUE(find_inverted(block.mesh, kept).empty()) << seed;
     for (std::size_t v = 0; v < kept.size(); ++v) {
       const double share = (kept[v] - block.before[v]).norm() / (moved[v] - block.before[v]).norm();
@@ -45,13 +45,32 @@ TEST(KeepUpright, NoElementTurnsHoweverVerticesMove) {
   }
 }
 
+/// What is pushed takes its surroundings along, and so gets farther than where it goes alone.
+TEST(KeepUpright, EvenedWaysTurnNothingAndGoFarther) {
+  const Block block;
+  std::vector<Vec3> pushed = block.before;
+  for (Vec3& p : pushed)
+    if (p.isApprox(Vec3(0.5, 0.5, 0))) p[2] += 0.4;
+  const auto length_of_ways = [&](int evenings) {
+    std::vector<Vec3> kept = pushed;
+    EXPECT_TRUE(keep_upright(block.mesh, block.before, {}, evenings, kept).empty());
+    EXPECT_TRUE(find_inverted(block.mesh, kept).empty());
+    double sum = 0;
+    for (std::size_t v = 0; v < kept.size(); ++v) sum += (kept[v] - block.before[v]).norm();
+    return sum;
+  };
+  const double alone = length_of_ways(0);
+  EXPECT_GT(alone, 0);
+  EXPECT_GT(length_of_ways(8), alone);
+}
+
 TEST(KeepUpright, OnlyVerticesOfWhatTurnsAreHeldBack) {
   const Block block;
   // One vertex is pushed through the block; all others go a little.
   std::vector<Vec3> moved = shaken(block.before, 0.001, 2);
   moved[0] = Vec3(3, 3, 3);
   std::vector<Vec3> kept = moved;
-  keep_upright(block.mesh, block.before, {}, kept);
+  keep_upright(block.mesh, block.before, {}, 0, kept);
   for (Index v = 0; v < block.mesh.vertex_count(); ++v) {
     bool is_near = false;
     for (const Index e : block.mesh.vertex_elements(0))
@@ -71,10 +90,10 @@ TEST(KeepUpright, WhatWasInvertedMayStaySoOrTurnBack) {
   const std::vector<Index> inverted = find_inverted(block.mesh, turned);
   ASSERT_FALSE(inverted.empty());
   std::vector<Vec3> still = turned;
-  EXPECT_EQ(keep_upright(block.mesh, turned, inverted, still), inverted);
+  EXPECT_EQ(keep_upright(block.mesh, turned, inverted, 0, still), inverted);
   EXPECT_EQ(still, turned);
   std::vector<Vec3> back = upright;
-  EXPECT_TRUE(keep_upright(block.mesh, turned, inverted, back).empty());
+  EXPECT_TRUE(keep_upright(block.mesh, turned, inverted, 0, back).empty());
   EXPECT_EQ(back, upright);
 }
 

@@ -116,6 +116,13 @@ TEST(Resolve, UntanglesASwirl) {
   expect_volume_kept(r, 0.1);
 }
 
+// The first attempt locks.
+TEST(Resolve, UntanglesAFinerSwirlInAnotherAttempt) {
+  const Resolved r = resolve(posed("octopus", 30000, "swirl"));
+  expect_resolved(r);
+  expect_volume_kept(r, 0.1);
+}
+
 // Its two crossings are tight bends.
 TEST(Resolve, UncrossesAThickBar) {
   const Resolved r = resolve(posed("beam", 3000, "self-crossing"));

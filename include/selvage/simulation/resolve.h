@@ -35,7 +35,7 @@ struct ResolveOptions {
   /// How close surfaces that met may come again once all is out, as a part of the boundary's mean edge length at rest.
   double clearance = 0.05;
   int max_iterations = 2000;
-  int patience = 60;  ///< iterations without progress after which the mesh is stuck
+  int patience = 60;  ///< iterations without progress after which an attempt of several is stuck
   std::function<void(const ResolveIteration&)> on_iteration{};
 };
 
