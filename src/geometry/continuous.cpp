@@ -69,7 +69,7 @@ class TimeHalving {
       : pair_(pair), points_(points) {
     double largest = 0;
     for (double c : volume.coefficient) largest = std::max(largest, std::abs(c));
-    constexpr double kErrorOfParts = 0x1p-46;  // 3 roundings of 2^-53 for each of 20 halvings, 9 for a beginning
+    constexpr double kErrorOfParts = 0x1p-46;  // roundings of 2^-53: 3 a halving, of 20, and 9 a beginning, of 2
     constexpr double kLargestSum = 0x1p1000;   // sums of two do not overflow
     volume_error_ = largest < kLargestSum ? volume.error + kErrorOfParts * largest : HUGE_VAL;
     for (int i = 1; i < 4; ++i)

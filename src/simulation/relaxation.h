@@ -15,8 +15,6 @@ class Relaxation {
   Relaxation(const TetMesh& mesh, std::vector<Vec3>& positions, const ResolveOptions& options, int evenings);
 
   const Model& model() const { return model_; }
-  /// Where vertices were at first.
-  std::span<const Vec3> input() const { return input_; }
   /// Elements that are inside out or flat now, ascending.
   std::span<const Index> inverted() const { return inverted_; }
   std::int64_t count_awake() const;
