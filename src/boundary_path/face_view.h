@@ -3,6 +3,9 @@
 #include "boundary_path/containment_kernel.h"
 #include "selvage/core/simd16.h"
 
+#include <bit>
+#include <limits>
+
 namespace selvage {
 inline namespace SELVAGE_ISA {
 
@@ -32,17 +35,31 @@ SELVAGE_INLINE Float16 sum_of_sizes(const Vector16& a) {
   return max(a.at[0], zero - a.at[0]) + max(a.at[1], zero - a.at[1]) + max(a.at[2], zero - a.at[2]);
 }
 
+/// Sixteen vertices as they are stored: see Pose::rounded_positions().
+struct Vertices16 {
+  Vector16 x;
+  Float16 marks;
+
+  SELVAGE_INLINE unsigned cullable() const { return sign_bits(marks); }
+  /// Their numbers, as bits.
+  SELVAGE_INLINE Float16 numbers() const {
+    return and_bits(marks, Float16::broadcast(std::bit_cast<float>(std::numeric_limits<Index>::max())));
+  }
+};
+
 /// @param vertex_of  the vertex of a lane
 template <typename VertexOf>
-SELVAGE_INLINE Vector16 gather(const RoundedPosition* positions, VertexOf&& vertex_of) {
-  Float8 rows[2][4];
+SELVAGE_INLINE Vertices16 gather_vertices(const RoundedPosition* positions, VertexOf&& vertex_of) {
   const auto row = [&](int lane) { return Float4::load(positions[vertex_of(lane)].data()); };
-  for (int half = 0; half < 2; ++half) {
-    for (int i = 8 * half; i < 8 * half + 4; ++i) rows[half][i & 3] = Float8::join(row(i), row(i + 4));
-    transpose(rows[half][0], rows[half][1], rows[half][2], rows[half][3]);
-  }
-  return {{Float16::join(rows[0][0], rows[1][0]), Float16::join(rows[0][1], rows[1][1]),
-           Float16::join(rows[0][2], rows[1][2])}};
+  Float16 rows[4];
+  for (int i = 0; i < 4; ++i)
+    rows[i] = Float16::join(Float8::join(row(i), row(i + 4)), Float8::join(row(i + 8), row(i + 12)));
+  transpose(rows[0], rows[1], rows[2], rows[3]);
+  return {{{rows[0], rows[1], rows[2]}}, rows[3]};
+}
+template <typename VertexOf>
+SELVAGE_INLINE Vector16 gather(const RoundedPosition* positions, VertexOf&& vertex_of) {
+  return gather_vertices(positions, vertex_of).x;
 }
 
 /// Sixteen pairs of a point p and a boundary face, whose neighbours are known by their vertices that are not the face's
@@ -54,6 +71,7 @@ struct FaceView {
   Vector16 apexes[D];
   unsigned cullable[D];       ///< pairs whose corner is
   unsigned has_neighbour[D];  ///< pairs whose neighbour opposite to the corner may be a candidate
+  unsigned excluded;          ///< pairs whose face has all the vertices on which p lies: no candidate
   float rounding;             ///< twice what a coordinate may be off
 
   /// Bounds the squared distances from below. Any direction bounds the distance of a whole face, as far as the face

@@ -253,21 +253,21 @@ std::vector<BoundaryPath<D>> BoundaryPathFinder<D>::find_paths(std::span<const P
   std::vector<BoundaryPath<D>> paths(queries.size());
   const PathScene<D> scene = state_->scene();
   // Few queries in small batches, so that there is one for each core.
-  constexpr std::int64_t kMostGroups = 8, kMostAtOnce = kMostGroups * kPointGroup, kBatches = 16;
+  constexpr std::int64_t kMostGroups = 8, kBatches = 16;
   const std::int64_t groups = (std::ssize(order) + kPointGroup - 1) / kPointGroup;
   const std::int64_t at_once = kPointGroup * std::clamp<std::int64_t>(groups / kBatches, 1, kMostGroups);
   parallel_for((std::ssize(order) + at_once - 1) / at_once, 1, [&](std::int64_t k) {
     const auto share = std::span(order).subspan(k * at_once);
     const auto n = std::min<std::size_t>(share.size(), at_once);
-    std::array<PathTask<D>, kMostAtOnce> tasks;
-    std::array<PathResult<D>, kMostAtOnce> results;
-    std::array<PathCounters, kMostAtOnce> counts{};
+    std::vector<PathTask<D>> tasks(n);
+    std::vector<PathResult<D>> results(n);
+    std::vector<PathCounters> counts(counters.empty() ? 0 : n);
     for (std::size_t i = 0; i < n; ++i) {
       tasks[i].query = queries[share[i]];
       tasks[i].query.point = state_->to_scene(tasks[i].query.point);
       tasks[i].warm_start = warm_start.empty() ? kNone : warm_start[share[i]];
     }
-    SELVAGE_DISPATCH(search_paths, scene, std::span<const PathTask<D>>(tasks.data(), n), results.data(),
+    SELVAGE_DISPATCH(search_paths, scene, std::span<const PathTask<D>>(tasks), results.data(),
                      counters.empty() ? nullptr : counts.data());
     for (std::size_t i = 0; i < n; ++i) {
       paths[share[i]] = state_->describe(tasks[i], results[i]);

@@ -172,29 +172,34 @@ SELVAGE_INLINE unsigned GroupSearch<D>::seen_askew(const BvhNode& node, const Co
 /// Sixteen pairs of a lane and a face, ready to be looked at.
 template <int D>
 SELVAGE_INLINE FaceView<D> GroupSearch<D>::view(const Index* faces, const Index* lanes) const {
-  FaceStar<D> stars[kWidth];
+  const FaceStar<D>* stars[kWidth];
   FaceView<D> view;
   view.rounding = scene_.rounding;
-  for (unsigned& pairs : view.cullable) pairs = 0;
-  for (int i = 0; i < kWidth; ++i) {
-    stars[i] = scene_.face_stars[faces[i]];
-    for (int k = 0; k < D; ++k) view.cullable[k] |= static_cast<unsigned>(scene_.cullable[stars[i].vertices[k]]) << i;
-  }
+  for (int i = 0; i < kWidth; ++i) stars[i] = scene_.face_stars + faces[i];
   for (int i = 0; i < 3; ++i) view.p.at[i] = Float16::pick(eye_[i], lanes);
+  Float16 corners[D], apexes[D];
   for (int k = 0; k < D; ++k) {
-    view.corners[k] = gather(scene_.rounded, [&](int lane) { return stars[lane].vertices[k]; });
-    view.apexes[k] = gather(scene_.rounded, [&](int lane) { return stars[lane].apexes[k]; });
+    const Vertices16 corner = gather_vertices(scene_.rounded, [&](int lane) { return stars[lane]->vertices[k]; });
+    const Vertices16 apex = gather_vertices(scene_.rounded, [&](int lane) { return stars[lane]->apexes[k]; });
+    view.corners[k] = corner.x;
+    view.cullable[k] = corner.cullable();
+    view.apexes[k] = apex.x;
     view.has_neighbour[k] = ~0u;
+    corners[k] = corner.numbers();
+    apexes[k] = apex.numbers();
   }
+  view.excluded = 0;
   if (!any_sources_) return view;
-  // A neighbour that has what p lies on is no candidate.
-  const Float16 sources[2] = {Float16::pick(sources_[0], lanes), Float16::pick(sources_[1], lanes)};
-  for (int k = 0; k < D; ++k) {
-    alignas(64) Index apexes[kWidth];
-    for (int i = 0; i < kWidth; ++i) apexes[i] = stars[i].apexes[k];
-    const Float16 numbers = Float16::load(reinterpret_cast<const float*>(apexes));
-    view.has_neighbour[k] = ~(equal_bits(numbers, sources[0]) | equal_bits(numbers, sources[1]));
+  unsigned with_source[2] = {0, 0};
+  for (int i = 0; i < 2; ++i) {
+    const Float16 source = Float16::pick(sources_[i], lanes), barring = Float16::pick(barring_sources_[i], lanes);
+    for (int k = 0; k < D; ++k) {
+      with_source[i] |= equal_bits(corners[k], source);
+      // A neighbour that has what p lies on is no candidate.
+      view.has_neighbour[k] &= ~equal_bits(apexes[k], barring);
+    }
   }
+  view.excluded = with_source[0] & with_source[1];
   return view;
 }
 
@@ -211,8 +216,10 @@ SELVAGE_INLINE void GroupSearch<D>::look_at_faces(std::size_t first) {
     culling |= (culling_ >> lanes[i] & 1u) << i;
     prefetch(scene_.face_stars + faces_.items[ahead < faces_.count ? ahead : pair]);
   }
-  const FaceFindings<D> found = look_at(view(faces, lanes));
-  const unsigned present = 0xffffu >> (kWidth - count), culled = found.culled() & culling & present;
+  const FaceView<D> faces_from_points = view(faces, lanes);
+  const FaceFindings<D> found = look_at(faces_from_points);
+  const unsigned present = 0xffffu >> (kWidth - count) & ~faces_from_points.excluded;
+  const unsigned culled = found.culled() & culling & present;
   const unsigned near = less_equal(found.squared_distance, Float16::pick(limit_, lanes), present & ~culled);
   if (searches_[lanes[0]].counters() != nullptr) count_faces(first, present & ~near, culled);
   float distances[kWidth];

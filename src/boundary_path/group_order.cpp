@@ -11,21 +11,21 @@ namespace selvage {
 namespace {
 
 struct NumberedPlace {
-  std::array<float, 4> x;
+  std::array<float, 4> x;  ///< and one that says nothing
   Index number;
 };
 
 int longest_axis(std::span<const NumberedPlace> items) {
-  std::array<float, 4> lower, upper;
+  std::array<float, 3> lower, upper;
   lower.fill(HUGE_VALF);
   upper.fill(-HUGE_VALF);
   for (const auto& item : items)
-    for (std::size_t axis = 0; axis < 4; ++axis) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
       lower[axis] = std::min(lower[axis], item.x[axis]);
       upper[axis] = std::max(upper[axis], item.x[axis]);
     }
   std::size_t longest = 0;
-  for (std::size_t axis = 1; axis < 4; ++axis)
+  for (std::size_t axis = 1; axis < 3; ++axis)
     if (upper[axis] - lower[axis] > upper[longest] - lower[longest]) longest = axis;
   return static_cast<int>(longest);
 }
@@ -67,10 +67,11 @@ struct CurvePlace {
   Index number;
 };
 
-/// Digit by digit, the last first. Stable: items at one place stay in their order, for any number of threads.
+/// Digit by digit, the last first; few items are parted well enough by the leading half of the bits. Stable: items at
+/// one place stay in their order, for any number of threads.
 void sort_along_curve(std::vector<CurvePlace>& items) {
   constexpr int kDigit = 10, kDigits = 1 << kDigit;
-  constexpr std::int64_t kChunk = 1 << 15;
+  constexpr std::int64_t kChunk = 1 << 15, kFew = 4096;
   const std::int64_t count = std::ssize(items), chunks = (count + kChunk - 1) / kChunk;
   std::vector<CurvePlace> sorted(items.size());
   std::vector<std::array<Index, kDigits>> places(chunks);  ///< where each chunk's items with a digit go
@@ -78,7 +79,7 @@ void sort_along_curve(std::vector<CurvePlace>& items) {
     for (std::int64_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, count); ++i)
       take(items[i], places[chunk][items[i].along >> shift & (kDigits - 1)]);
   };
-  for (int shift = 0; shift < kBits * kAxes; shift += kDigit) {
+  for (int shift = count < kFew ? kBits * kAxes / 2 : 0; shift < kBits * kAxes; shift += kDigit) {
     parallel_for(chunks, 1, [&](std::int64_t chunk) {
       places[chunk].fill(0);
       visit(chunk, shift, [](const CurvePlace&, Index& number) { ++number; });

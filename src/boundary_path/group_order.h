@@ -9,8 +9,8 @@ namespace selvage {
 /// Queries that walk down a hierarchy together.
 inline constexpr Index kPointGroup = 16;
 
-/// Sorts numbers of places so that each run of kPointGroup of them lies close together. The result depends on nothing
-/// else.
+/// Sorts numbers of places (the fourth coordinate says nothing) so that each run of kPointGroup of them lies close
+/// together. The result depends on nothing else.
 void order_in_space(std::span<const std::array<float, 4>> places, std::span<Index> numbers);
 
 /// Sorts places, each of two kinds, along a curve that fills space: those that follow each other lie close together in

@@ -28,13 +28,16 @@ void GroupSearch<D>::place(int lane) {
   for (int i = 0; i < D; ++i) eye_[i][lane] = static_cast<float>(query.point[i] - scene_.frame.origin[i]);
 }
 
-/// Vertices whose faces prove nothing.
 template <int D>
 void GroupSearch<D>::take_sources(int lane) {
   const PathQuery<D>& query = searches_[lane].query();
   const bool bars = !searches_[lane].may_cull_towards_source();
-  any_sources_ |= bars && query.source[0] != kNone;
-  for (int i = 0; i < 2; ++i) sources_[i][lane] = std::bit_cast<float>(bars ? query.source[i] : kNone);
+  any_sources_ |= query.source[0] != kNone;
+  const Index sources[2] = {query.source[0], query.source[1] == kNone ? query.source[0] : query.source[1]};
+  for (int i = 0; i < 2; ++i) {
+    sources_[i][lane] = std::bit_cast<float>(sources[i]);
+    barring_sources_[i][lane] = std::bit_cast<float>(bars ? sources[i] : kNone);
+  }
 }
 
 /// Parts that a point splits elements into, one for each vertex that it replaces.

@@ -121,7 +121,8 @@ class GroupSearch {
   alignas(64) float eye_[3][kWidth] = {};                  ///< points in the frame, to the nearest float
   alignas(64) float lower_[3][kWidth], upper_[3][kWidth];  ///< boxes around them
   alignas(64) float limit_[kWidth];                        ///< what a computed squared distance may be at most
-  alignas(64) float sources_[2][kWidth] = {};              ///< vertices whose faces prove nothing, as bits
+  alignas(64) float sources_[2][kWidth] = {};              ///< vertices on which p lies, or none; as bits
+  alignas(64) float barring_sources_[2][kWidth] = {};      ///< the same where their faces prove nothing
   bool any_sources_ = false;
   Pairs nodes_, faces_;
   Waiting waiting_[kWidth];
@@ -249,9 +250,13 @@ typename GroupSearch<D>::WaitingFace GroupSearch<D>::take_nearest(int lane) {
   Waiting& waiting = waiting_[lane];
   if (waiting.count == 0) return {kNone, 0};
   int nearest = 0;
-  for (int k = 1; k < waiting.count; ++k)
-    if (waiting.squared_distance[k] < waiting.squared_distance[nearest]) nearest = k;
-  if (!(waiting.squared_distance[nearest] <= limit_[lane])) {
+  float least = waiting.squared_distance[0];
+  for (int k = 1; k < waiting.count; ++k) {  // without a branch
+    const float other = waiting.squared_distance[k];
+    nearest = other < least ? k : nearest;
+    least = other < least ? other : least;
+  }
+  if (!(least <= limit_[lane])) {
     waiting.count = 0;
     return {kNone, 0};
   }

@@ -53,7 +53,7 @@ struct PathScene {
   std::span<const BvhNode> face_nodes;
   const ConeNode* face_cones;  ///< per node of face_nodes
   const FaceStar<D>* face_stars;
-  const std::array<float, 4>* rounded;  ///< positions in the frame, each coordinate to the nearest float (the rest 0)
+  const std::array<float, 4>* rounded;  ///< positions in the frame: see Pose::rounded_positions()
   float rounding;                       ///< bounds the error of each rounded coordinate
   BoxFrame<D> frame;
   const Index* component_of;              ///< per element

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <memory>
 #include <mutex>
@@ -21,6 +22,11 @@ namespace {
 /// Poses for which a hierarchy over the faces is refitted at most. There are few of them, and where a body is crushed a
 /// search for a path follows several times as many segments in an old hierarchy, although its quality seems good.
 constexpr int kMostRefits = 32;
+
+/// See Pose::rounded_positions().
+float mark_of(std::int64_t vertex, bool cullable) {
+  return std::bit_cast<float>(static_cast<std::uint32_t>(vertex) | static_cast<std::uint32_t>(cullable) << 31);
+}
 
 template <typename Predicate>
 std::int64_t count_if_parallel(std::int64_t count, Predicate&& predicate) {
@@ -78,7 +84,7 @@ void Pose<D>::place(std::span<const Vec<D>> positions) {
   rounded_.resize(positions.size());
   parallel_for(std::ssize(positions), kGrain, [&](std::int64_t v) {
     positions_[v] = positions[v] * half * rest;
-    rounded_[v] = {};
+    rounded_[v] = {0, 0, 0, mark_of(v, false)};
     for (int i = 0; i < D; ++i) rounded_[v][i] = static_cast<float>(positions_[v][i] - frame_.origin[i]);
   });
   rounding_ = static_cast<float>(0x1p-24 * (upper * half * rest - lower * half * rest).maxCoeff()) + 0x1p-149f;
@@ -141,8 +147,10 @@ void Pose<D>::examine() {
   find_overwound_interior_ridges();
   find_overwound_boundary_ridges();
   list_defects();
-  for (Index v : mesh_.boundary_vertices())
+  for (Index v : mesh_.boundary_vertices()) {
     if (!cullable_[v]) vertex_normals_[v] = NormalBox::everything();
+    rounded_[v][3] = mark_of(v, cullable_[v] != 0);
+  }
   fit_faces();
 }
 

@@ -31,7 +31,8 @@ class Pose {
   int exponent() const { return exponent_; }
   const BoxFrame<D>& frame() const { return frame_; }
 
-  /// positions() in the frame, each coordinate to the nearest float (the rest 0), and a bound of the error.
+  /// positions() in the frame, each coordinate to the nearest float (the third 0 in the plane), and a bound of the
+  /// error. Last come the bits of the vertex's number, and a sign where it is cullable(): so they arrive together.
   std::span<const std::array<float, 4>> rounded_positions() const { return rounded_; }
   float rounding() const { return rounding_; }
 

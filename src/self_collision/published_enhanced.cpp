@@ -73,7 +73,8 @@ bool EnhancedDualConeResult::does_clear(int child_count) const {
 }
 
 template <int kSteps>
-EnhancedDualConeResult test_enhanced_dual_cone(const Bvh& bvh, SurfacePieces& pieces, const SurfaceCones<kSteps>& cones,
+EnhancedDualConeResult test_enhanced_dual_cone(const Bvh& bvh, const SurfacePieces& pieces,
+                                               const SurfaceCones<kSteps>& cones,
                                                const std::array<std::span<const Vec3>, kSteps>& poses, Index node) {
   EnhancedDualConeResult result;
   const DirectionCone& normals = cones.normals(node);
@@ -85,8 +86,7 @@ EnhancedDualConeResult test_enhanced_dual_cone(const Bvh& bvh, SurfacePieces& pi
                 p[0] * plane.v_axis[0] + p[1] * plane.v_axis[1] + p[2] * plane.v_axis[2]);
   };
   std::array<ContourShare, BvhNode::kWidth> shares;
-  std::vector<char> workspace;
-  for (const Index edge : pieces.contours(node, workspace).edges) {
+  for (const Index edge : pieces.contours(node).edges) {
     PlaneEdge projected{pieces.tail(edge), pieces.head(edge), {}, {}, {}, {}};
     for (int s = 0; s < 2; ++s) {
       projected.tail[s] = project(poses[s % kSteps][projected.tail_vertex]);
@@ -115,9 +115,9 @@ EnhancedDualConeResult test_enhanced_dual_cone(const Bvh& bvh, SurfacePieces& pi
   return result;
 }
 
-template EnhancedDualConeResult test_enhanced_dual_cone<1>(const Bvh&, SurfacePieces&, const SurfaceCones<1>&,
+template EnhancedDualConeResult test_enhanced_dual_cone<1>(const Bvh&, const SurfacePieces&, const SurfaceCones<1>&,
                                                            const std::array<std::span<const Vec3>, 1>&, Index);
-template EnhancedDualConeResult test_enhanced_dual_cone<2>(const Bvh&, SurfacePieces&, const SurfaceCones<2>&,
+template EnhancedDualConeResult test_enhanced_dual_cone<2>(const Bvh&, const SurfacePieces&, const SurfaceCones<2>&,
                                                            const std::array<std::span<const Vec3>, 2>&, Index);
 
 }  // namespace selvage
