@@ -1,6 +1,7 @@
 #include "cli/collision_report.h"
 #include "cli/command.h"
 #include "cli/console.h"
+#include "cli/memory.h"
 #include "cli/output.h"
 #include "selvage/core/error.h"
 #include "selvage/mesh/simplex_mesh.h"
@@ -121,6 +122,7 @@ CollisionReport find_collisions(const CheckOptions& options, const MeshFile& fil
 
 int run_check(const CheckOptions& options) {
   Stopwatch watch;
+  take_large_pages();
   culling_method(options.method);
   OutputFiles outputs;
   std::vector<std::filesystem::path> inputs = files_of_mesh(options.mesh);
