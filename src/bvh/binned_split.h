@@ -1,5 +1,6 @@
 #pragma once
 
+#include "bvh/split_kernel.h"
 #include "selvage/bvh/bvh.h"
 #include "selvage/core/simd.h"
 
@@ -7,23 +8,8 @@
 
 namespace selvage {
 
-/// A primitive while the tree is built: its box (clamped to finite numbers), in one load of eight floats. The upper
-/// corner is negated, so that one minimum merges two boxes.
-struct alignas(16) PrimitiveRef {
-  float lower[3];
-  Index primitive;
-  float negated_upper[3];
-  float unused;
-
-  PrimitiveRef() = default;
-  PrimitiveRef(const Box& box, Index which);
-
-  Float8 bounds() const { return Float8::load(lower); }
-  /// Twice the centre.
-  float centre(int axis) const { return lower[axis] - negated_upper[axis]; }
-};
-
-/// Consecutive primitives, with the bounds of their boxes and of their centres (both as a PrimitiveRef holds them).
+/// Consecutive primitives, with the bounds of their boxes and of their centres (both as a PrimitiveRef holds them), in
+/// large ranges of a sample.
 struct RefRange {
   Index begin;
   Index end;
@@ -34,7 +20,8 @@ struct RefRange {
 };
 
 /// Splits ranges of primitives in two, so that the expected cost of a query is small (surface-area heuristic over 16
-/// bins of centres on each axis). Large ranges are split in parallel; the result is the same for any number of threads.
+/// bins of centres on each axis, in large ranges of a sample of primitives). Large ranges are split in parallel; the
+/// result is the same for any number of threads.
 class RangeSplitter {
  public:
   explicit RangeSplitter(std::span<const Box> boxes);
@@ -55,15 +42,6 @@ class RangeSplitter {
   void free_scratch() { scratch_.reset(); }
 
  private:
-  /// The primitives whose centres lie in bins below a plane.
-  struct LeftSide {
-    int axis;
-    float origin;
-    float scale;
-    float first_right_bin;
-
-    bool holds(const PrimitiveRef& ref) const { return (ref.centre(axis) - origin) * scale < first_right_bin; }
-  };
   Index partition(const RefRange& range, const LeftSide& side);
   Index partition_parallel(Index begin, Index end, const LeftSide& side);
   Index halve_range(const RefRange& range);

@@ -38,7 +38,7 @@ PairWork split_work(const Bvh& a, const Bvh& b, std::size_t wanted, const std::f
 
 /// Runs `find(piece, sink)` for all pieces in parallel.
 template <typename Find>
-std::vector<IndexPair> find_pairs(PairWork work, Index first_count, Find&& find) {
+std::vector<IndexPair> find_pairs(PairWork work, Find&& find) {
   std::vector<std::vector<IndexPair>> lists(work.pieces.size() + 1);
   lists.back() = std::move(work.found);
   const auto take = [](void* receiver, const IndexPair* pairs, std::size_t count) {
@@ -48,7 +48,7 @@ std::vector<IndexPair> find_pairs(PairWork work, Index first_count, Find&& find)
   parallel_for(static_cast<std::int64_t>(work.pieces.size()), 1, [&](std::int64_t i) {
     find(work.pieces[i], PairSink{take, &lists[i]});
   });
-  return merge_sorted(std::span<const std::vector<IndexPair>>(lists), first_count, &IndexPair::first);
+  return merge_sorted(std::span<const std::vector<IndexPair>>(lists), &IndexPair::first, &IndexPair::second);
 }
 
 }  // namespace
@@ -62,13 +62,13 @@ PairWork split_self_pair_work(const Bvh& bvh, std::size_t wanted, const std::fun
 }
 
 std::vector<IndexPair> overlapping_pairs(const Bvh& a, const Bvh& b) {
-  return find_pairs(split_pair_work(a, b, kPairPieces), a.primitive_count(), [&](NodePair piece, PairSink sink) {
+  return find_pairs(split_pair_work(a, b, kPairPieces), [&](NodePair piece, PairSink sink) {
     SELVAGE_DISPATCH(find_pairs_kernel, a.nodes(), b.nodes(), piece, sink);
   });
 }
 
 std::vector<IndexPair> self_overlapping_pairs(const Bvh& bvh) {
-  return find_pairs(split_self_pair_work(bvh, kPairPieces), bvh.primitive_count(), [&](NodePair piece, PairSink sink) {
+  return find_pairs(split_self_pair_work(bvh, kPairPieces), [&](NodePair piece, PairSink sink) {
     SELVAGE_DISPATCH(find_self_pairs_kernel, bvh.nodes(), piece, sink);
   });
 }

@@ -192,10 +192,10 @@ struct ContinuousCollisionFinder::State {
       edge_edge.push_back(std::move(result.pairs.edge_edge));
       if (counters != nullptr) *counters += result.counters;
     }
-    ContinuousPairs pairs{
-        merge_sorted(std::span<const std::vector<VertexFacePair>>(vertex_face), mesh.vertex_count(),
-                     &VertexFacePair::vertex),
-        merge_sorted(std::span<const std::vector<EdgeEdgePair>>(edge_edge), mesh.edge_count(), &EdgeEdgePair::first)};
+    ContinuousPairs pairs{merge_sorted(std::span<const std::vector<VertexFacePair>>(vertex_face),
+                                       &VertexFacePair::vertex, &VertexFacePair::face),
+                          merge_sorted(std::span<const std::vector<EdgeEdgePair>>(edge_edge), &EdgeEdgePair::first,
+                                       &EdgeEdgePair::second)};
     progress.add(1);
     return pairs;
   }

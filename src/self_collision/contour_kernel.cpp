@@ -254,6 +254,12 @@ SELVAGE_INLINE void fit(const PlanarLoops<kSteps>& loops) {
 
 }  // namespace
 
+void mark_contour(const Index* opposite, Index first, Index last, char* marks) {
+  const auto count = static_cast<std::uint32_t>(last - first);
+  for (std::uint32_t i = 0; i < count; ++i)  // kNone is outside, too
+    marks[i] = static_cast<char>(static_cast<std::uint32_t>(opposite[first + i] - first) >= count);
+}
+
 bool do_all_face(const AreaVectors& areas, std::size_t first, std::size_t last, const ProjectionPlane& plane) {
   // Below it products of floats lose bits.
   const Float8 smallest = wide(std::numeric_limits<float>::min() * (1 << 24));

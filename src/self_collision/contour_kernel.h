@@ -47,11 +47,13 @@ enum class ContourTest : std::uint8_t {
   kMonotoneRuns,  ///< not within runs that advance along one direction
 };
 
+// mark_contour: sets marks[i] to whether the edge opposite to edge first + i is none of [first, last).
 // do_all_face: whether all area vectors [first, last) certainly have a positive dot product with u_axis x v_axis.
 // fit_blocks: sets the boxes of the blocks.
 // is_contour_simple: whether edges certainly meet nowhere (at no time) but where one follows the other. Sufficient,
 // never wrong: what is closer than rounding gives false.
 #define SELVAGE_CONTOUR_KERNEL                                                                                   \
+  void mark_contour(const Index* opposite, Index first, Index last, char* marks);                                \
   bool do_all_face(const AreaVectors& areas, std::size_t first, std::size_t last, const ProjectionPlane& plane); \
   void fit_blocks(const PlanarLoops<1>& loops);                                                                  \
   void fit_blocks(const PlanarLoops<2>& loops);                                                                  \

@@ -217,18 +217,19 @@ class Search {
 
 }  // namespace
 
-void find_self_collisions(const DiscreteScene& scene, const SelfPiece& piece, DiscreteResult& result) {
+void find_self_collisions(const DiscreteScene& scene, std::span<const SelfPiece> pieces, DiscreteResult& result) {
   Search search(scene, result);
-  if (piece.is_listed())
-    search.search_listed(piece.first, piece.last);
-  else
-    search.search_below<true>(piece.pair, piece.may_share);
+  for (const SelfPiece& piece : pieces)
+    if (piece.is_listed())
+      search.search_listed(piece.first, piece.last);
+    else
+      search.search_below<true>(piece.pair, piece.may_share);
   search.finish();
 }
 
-void find_collisions(const DiscreteScene& scene, NodePair start, DiscreteResult& result) {
+void find_collisions(const DiscreteScene& scene, std::span<const NodePair> pieces, DiscreteResult& result) {
   Search search(scene, result);
-  search.search_below<false>(start, scene.one_surface);
+  for (const NodePair& piece : pieces) search.search_below<false>(piece, scene.one_surface);
   search.finish();
 }
 

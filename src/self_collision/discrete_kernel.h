@@ -4,11 +4,11 @@
 
 namespace selvage {
 
-// Finds the pairs of triangles in a piece of a search of a surface against itself, or below a pair of nodes of two
+// Finds the pairs of triangles in pieces of a search of a surface against itself, or below pairs of nodes of two
 // hierarchies; and those among listed pairs (primitive of a, primitive of b).
-#define SELVAGE_DISCRETE_KERNEL                                                       \
-  void find_self_collisions(const DiscreteScene&, const SelfPiece&, DiscreteResult&); \
-  void find_collisions(const DiscreteScene&, NodePair start, DiscreteResult&);        \
+#define SELVAGE_DISCRETE_KERNEL                                                                 \
+  void find_self_collisions(const DiscreteScene&, std::span<const SelfPiece>, DiscreteResult&); \
+  void find_collisions(const DiscreteScene&, std::span<const NodePair>, DiscreteResult&);       \
   void test_listed_pairs(const DiscreteScene&, std::span<const IndexPair>, DiscreteResult&);
 namespace baseline {
 SELVAGE_DISCRETE_KERNEL

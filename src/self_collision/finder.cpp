@@ -35,35 +35,37 @@ void check_triangle(const TriangleMesh& mesh, Index t) {
 
 /// Searches all pieces of the work in parallel, and brings their results together.
 ///
-/// @param search  `search(piece, DiscreteResult&)`
+/// @param search  `search(span of pieces, DiscreteResult&)`
 template <typename Work, typename Search>
 std::vector<TrianglePair> search_all(const SelfCollisionOptions& options, const DiscreteScene& scene, const Work& work,
-                                     const SelfCollisionCounters& cutting, Index first_count, std::atomic<bool>* stop,
+                                     const SelfCollisionCounters& cutting, std::atomic<bool>* stop,
                                      SelfCollisionCounters* counters, Search&& search) {
   std::vector<DiscreteResult> results(work.pieces.size() + 1);
   results.back().counters = cutting;
   for (DiscreteResult& result : results) result.stop = stop;
   SELVAGE_DISPATCH(test_listed_pairs, scene, work.found, results.back());
   SearchProgress progress(options, std::ssize(results));
-  parallel_for(std::ssize(work.pieces), 1, [&](std::int64_t i) {
-    search(work.pieces[i], results[i]);
-    progress.add(1);
+  parallel_ranges(std::ssize(work.pieces), 1, [&](std::int64_t first, std::int64_t last) {
+    search(std::span(work.pieces).subspan(first, last - first), results[first]);
+    progress.add(last - first);
   });
   std::vector<std::vector<TrianglePair>> lists;
   for (DiscreteResult& result : results) {
     lists.push_back(std::move(result.pairs));
     if (counters != nullptr) *counters += result.counters;
   }
-  auto pairs = merge_sorted(std::span<const std::vector<TrianglePair>>(lists), first_count, &TrianglePair::first);
+  auto pairs =
+      merge_sorted(std::span<const std::vector<TrianglePair>>(lists), &TrianglePair::first, &TrianglePair::second);
   progress.add(1);
   return pairs;
 }
 
 std::vector<TrianglePair> search_two(const SelfCollisionOptions& options, const DiscreteScene& scene,
-                                     const PairWork& work, Index first_count, SelfCollisionCounters* counters) {
-  return search_all(
-      options, scene, work, {.node_pairs = work.compared}, first_count, nullptr, counters,
-      [&](const NodePair& piece, DiscreteResult& result) { SELVAGE_DISPATCH(find_collisions, scene, piece, result); });
+                                     const PairWork& work, SelfCollisionCounters* counters) {
+  return search_all(options, scene, work, {.node_pairs = work.compared}, nullptr, counters,
+                    [&](std::span<const NodePair> some, DiscreteResult& result) {
+                      SELVAGE_DISPATCH(find_collisions, scene, some, result);
+                    });
 }
 
 }  // namespace
@@ -166,9 +168,9 @@ struct SelfCollisionFinder::State {
     if (counters != nullptr) spared.counters.add_to(*counters);
     scene.neighbours = neighbours;
     const SelfWork work = split_self_work(bvh, neighbours, scene.spared, piece_count(bvh));
-    return search_all(options, scene, work, work.counters, mesh.triangle_count(), stop, counters,
-                      [&](const SelfPiece& piece, DiscreteResult& result) {
-                        SELVAGE_DISPATCH(find_self_collisions, scene, piece, result);
+    return search_all(options, scene, work, work.counters, stop, counters,
+                      [&](std::span<const SelfPiece> some, DiscreteResult& result) {
+                        SELVAGE_DISPATCH(find_self_collisions, scene, some, result);
                       });
   }
 };
@@ -216,8 +218,7 @@ std::vector<TrianglePair> SelfCollisionFinder::find_pairs_of(std::span<const Ind
   scene.a.leaves = leaves.data();
   scene.a.triangle_of = triangles.data();
   scene.in_subset = in_subset.data();
-  return search_two(s.options, scene, split_pair_work(part, s.bvh, piece_count(s.bvh)), s.mesh.triangle_count(),
-                    counters);
+  return search_two(s.options, scene, split_pair_work(part, s.bvh, piece_count(s.bvh)), counters);
 }
 
 std::vector<TrianglePair> SelfCollisionFinder::find_pairs_with(const SelfCollisionFinder& other,
@@ -241,8 +242,7 @@ std::vector<TrianglePair> SelfCollisionFinder::find_pairs_with(const SelfCollisi
     return State::view(s.mesh, side.pose, side.bvh, s.leaves, s.options.thickness);
   };
   const DiscreteScene scene{view(*state_, a), view(*other.state_, b), false, false, nullptr, nullptr};
-  return search_two(state_->options, scene, split_pair_work(a.bvh, b.bvh, piece_count(b.bvh)),
-                    state_->mesh.triangle_count(), counters);
+  return search_two(state_->options, scene, split_pair_work(a.bvh, b.bvh, piece_count(b.bvh)), counters);
 }
 
 std::vector<CommonSegment> SelfCollisionFinder::find_segments(std::span<const TrianglePair> pairs) const {

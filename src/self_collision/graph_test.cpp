@@ -126,7 +126,7 @@ ProjectionPlane plane_across(const Vec3& direction) {
 }
 
 template <int kSteps>
-void GraphTest<kSteps>::take(const SurfacePieces& pieces, const Poses& poses) {
+void GraphTest<kSteps>::take(SurfacePieces& pieces, const Poses& poses) {
   pieces_ = &pieces;
   poses_ = poses;
   const std::size_t count = pieces.triangles().size();
@@ -260,7 +260,7 @@ PlanarLoops<kSteps> GraphTest<kSteps>::project_contours(const SurfacePieces::Con
 template <int kSteps>
 bool GraphTest<kSteps>::is_contour_embedded(Index node, const ProjectionPlane& plane, Workspace& workspace,
                                             ContourTest test) const {
-  const SurfacePieces::Contours contours = pieces_->contours(node);
+  const SurfacePieces::Contours& contours = pieces_->contours(node, workspace.waiting);
   if (contours.edges.empty()) return false;
   const PlanarLoops<kSteps> loops = project_contours(contours, plane, workspace);
   if (loops.blocks.empty()) return false;

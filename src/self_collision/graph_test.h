@@ -17,26 +17,27 @@ class GraphTest {
  public:
   using Poses = std::array<std::span<const Vec3>, kSteps>;
 
-  /// Takes new poses: O(n), parallel. Keeps references to what it is given.
-  void place(const SurfacePieces& pieces, const Poses& poses) {
+  /// Takes new poses: O(n), parallel. Keeps references to what it is given; pieces learn their
+  /// contours as they are asked for.
+  void place(SurfacePieces& pieces, const Poses& poses) {
     take(pieces, poses);
     measure({0, static_cast<Index>(pieces.triangles().size())});
   }
 
   /// The same in two parts: what has not been measured since poses were taken must not be asked.
-  void take(const SurfacePieces& pieces, const Poses& poses);
+  void take(SurfacePieces& pieces, const Poses& poses);
   void measure(SurfacePieces::Range places);
 
   /// Memory of one thread.
   struct Workspace {
+    std::vector<char> waiting;  ///< of SurfacePieces::contours()
     std::vector<Index> vertices;
     std::vector<double> exact;  ///< coordinates before they are scaled and rounded
     std::vector<float> coordinates;
     std::vector<EdgeBlock> blocks;
   };
 
-  /// O(triangles) where normals or O(contour) where the contour decides. False for a node without child nodes, whose
-  /// contour is not known.
+  /// O(triangles).
   bool is_graph(Index node, Workspace& workspace) const;
 
   /// The plane across the area vector of a node's piece (of both ends together); a zero normal where there is none.
@@ -55,7 +56,7 @@ class GraphTest {
   PlanarLoops<kSteps> project_contours(const SurfacePieces::Contours& contours, const ProjectionPlane& plane,
                                        Workspace& workspace) const;
 
-  const SurfacePieces* pieces_ = nullptr;
+  SurfacePieces* pieces_ = nullptr;
   Poses poses_;
   std::array<std::array<std::vector<float>, 4>, kCoefficients> areas_;
   std::vector<Vec3> group_areas_;  ///< of consecutive triangles together

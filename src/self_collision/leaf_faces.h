@@ -2,13 +2,14 @@
 
 #include "self_collision/leaf_vertices.h"
 #include "self_collision/plane_filter.h"
+#include "selvage/core/simd16.h"
 
 namespace selvage {
 
 inline namespace SELVAGE_ISA {
 
-/// The children of a node that are triangles, in one pose and in its frame, a row for each coordinate, so that one is
-/// compared with eight others and nothing is gathered.
+/// The children of a node that are triangles, in one pose and in its frame, a row for each coordinate, so that any
+/// eight pairs of those of two nodes are compared at once and nothing is gathered.
 struct alignas(64) LeafFaces {
   using Rows = float[3][BvhNode::kWidth];
   Rows origin;                  ///< a vertex
@@ -74,12 +75,10 @@ class FaceCache {
   LeafFaces faces_[kSize + 1];
 };
 
-SELVAGE_INLINE WideCorner load_rows(const LeafFaces::Rows& rows) {
-  return {Float8::load(rows[0]), Float8::load(rows[1]), Float8::load(rows[2])};
-}
-/// One of them eight times.
-SELVAGE_INLINE WideCorner broadcast_lane(const LeafFaces::Rows& rows, int lane) {
-  return {Float8::broadcast(rows[0][lane]), Float8::broadcast(rows[1][lane]), Float8::broadcast(rows[2][lane])};
+/// Eight of them.
+SELVAGE_INLINE WideCorner pick_rows(const LeafFaces::Rows& rows, Int8 lanes) {
+  const auto pick = [&](const float* row) { return pick_lanes(Float8::load(row), lanes); };
+  return {pick(rows[0]), pick(rows[1]), pick(rows[2])};
 }
 
 /// Lanes in which a number and its sums with two others are all at least `bound`, or all at most -bound.
@@ -89,22 +88,23 @@ SELVAGE_INLINE unsigned all_beyond(Float8 first, Float8 step, Float8 other_step,
          less_equal(max(max(first, second), third), negative(bound));
 }
 
-/// Those of eight triangles which lie, for certain, on one side of the plane of another triangle or have it on one side
-/// of theirs. Only of triangles whose boxes meet.
-SELVAGE_INLINE unsigned beside_faces(const LeafFaces& one, int lane, const LeafFaces& eight) {
-  const WideCorner normal_a = broadcast_lane(one.normal, lane), normal_b = load_rows(eight.normal);
-  const WideCorner way = load_rows(eight.origin) - broadcast_lane(one.origin, lane);
-  const Float8 size_a = Float8::broadcast(one.size[lane]), size_b = Float8::load(eight.size);
+/// Those of eight pairs of triangles of which one lies, for certain, on one side of the plane of the other. Only of
+/// triangles whose boxes meet.
+///
+/// @param i, k  which triangle of a, and of b; only the lowest three bits count
+SELVAGE_INLINE unsigned beside_faces(const LeafFaces& a, Int8 i, const LeafFaces& b, Int8 k) {
+  const WideCorner normal_a = pick_rows(a.normal, i), normal_b = pick_rows(b.normal, k);
+  const WideCorner way = pick_rows(b.origin, k) - pick_rows(a.origin, i);
+  const Float8 size_a = pick_lanes(Float8::load(a.size), i), size_b = pick_lanes(Float8::load(b.size), k);
   // Boxes that meet reach no farther than this from any vertex of either. As in heights_over(), but that heights are
   // sums of two dot products, each rounded.
   const Float8 far = size_a + size_b;
   const Float8 error = Float8::broadcast(2 * kFrameRounding) + far * Float8::broadcast(0x1p-21f);
   const Float8 share = error * far * Float8::broadcast(20), least = Float8::broadcast(1e-30f);
-  const auto along = [](const WideCorner& normal, const LeafFaces::Rows& edge) { return dot(normal, load_rows(edge)); };
-  const auto across = [&](const LeafFaces::Rows& edge) { return dot(normal_b, broadcast_lane(edge, lane)); };
-  return all_beyond(dot(normal_a, way), along(normal_a, eight.edges[0]), along(normal_a, eight.edges[1]),
-                    share * size_a + least) |
-         all_beyond(negative(dot(normal_b, way)), across(one.edges[0]), across(one.edges[1]), share * size_b + least);
+  const auto along = [&](const LeafFaces::Rows& edge) { return dot(normal_a, pick_rows(edge, k)); };
+  const auto across = [&](const LeafFaces::Rows& edge) { return dot(normal_b, pick_rows(edge, i)); };
+  return all_beyond(dot(normal_a, way), along(b.edges[0]), along(b.edges[1]), share * size_a + least) |
+         all_beyond(negative(dot(normal_b, way)), across(a.edges[0]), across(a.edges[1]), share * size_b + least);
 }
 
 }  // namespace SELVAGE_ISA

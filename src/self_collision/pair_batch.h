@@ -15,17 +15,42 @@ SELVAGE_INLINE void gather_triangles(const SurfaceView& surface, Triangle&& tria
   for (int k = 0; k < 3; ++k) corners[k] = gather_corner(surface.rounded, [&](int lane) { return triangle(lane)[k]; });
 }
 
+/// Triangles known by their numbers.
+struct ByTriangle {
+  SELVAGE_INLINE static Index vertex(const SurfaceView& surface, Index id, int corner) {
+    return surface.triangles[id][corner];
+  }
+  SELVAGE_INLINE static Index triangle(const SurfaceView&, Index id) { return id; }
+};
+
+/// Triangles known by their places in the leaves, eight times the number of a node and that of the child: what is asked
+/// of them soon after the node was is still near.
+struct ByLeaf {
+  SELVAGE_INLINE static Index vertex(const SurfaceView& surface, Index id, int corner) {
+    return surface.leaves[node(id)].corners[corner][child(id)];
+  }
+  SELVAGE_INLINE static Index triangle(const SurfaceView& surface, Index id) {
+    const Index primitive = surface.nodes[node(id)].children[child(id)];
+    return surface.triangle_of == nullptr ? primitive : surface.triangle_of[primitive];
+  }
+
+ private:
+  SELVAGE_INLINE static std::uint32_t node(Index id) { return static_cast<std::uint32_t>(id) / BvhNode::kWidth; }
+  SELVAGE_INLINE static std::uint32_t child(Index id) { return static_cast<std::uint32_t>(id) % BvhNode::kWidth; }
+};
+
 /// The corners of eight pairs of triangles.
+///
+/// @tparam Known  by what they are known
+template <typename Known>
 struct WidePairs {
   WideCorner a[3], b[3];
 
   SELVAGE_INLINE WidePairs(const DiscreteScene& scene, const Index* first, const Index* second) {
-    const VertexTuple<3>* const of_a = scene.a.triangles;
-    const VertexTuple<3>* const of_b = scene.b.triangles;
-    gather_triangles(
-        scene.a, [&](int lane) -> const VertexTuple<3>& { return of_a[first[lane]]; }, a);
-    gather_triangles(
-        scene.b, [&](int lane) -> const VertexTuple<3>& { return of_b[second[lane]]; }, b);
+    for (int k = 0; k < 3; ++k) {
+      a[k] = gather_corner(scene.a.rounded, [&](int lane) { return Known::vertex(scene.a, first[lane], k); });
+      b[k] = gather_corner(scene.b.rounded, [&](int lane) { return Known::vertex(scene.b, second[lane], k); });
+    }
   }
 };
 
@@ -80,41 +105,49 @@ class PairQueue {
   Index first_[kMany + kGroup], second_[kMany + kGroup];
 };
 
-/// Triangles of a node that wait to be compared with some of another. Nothing is a branch: how many there are of two
-/// nodes is never the same.
-class RowQueue {
+/// Pairs of children of two nodes that wait to be compared. Nothing is a branch: how many there are of two nodes is
+/// never the same.
+class ChildrenQueue {
  public:
   /// Adds pairs of children of two nodes. Returns whether there are many.
   SELVAGE_INLINE bool add(Index a, Index b, std::uint64_t pairs) {
-    alignas(32) static constexpr std::int32_t kRowNumbers[8] = {0, 0x100, 0x200, 0x300, 0x400, 0x500, 0x600, 0x700};
-    nodes_[node_pairs_][0] = a;
-    nodes_[node_pairs_][1] = b;
-    const Int8 lanes = Int8::from_bytes(pairs);
-    const unsigned rows = ~zero(lanes) & 0xffu;
-    store_packed(lanes | Int8::load(kRowNumbers) | Int8::broadcast(node_pairs_ << 16), rows, rows_ + count_);
-    count_ += count_lanes(rows);
-    node_pairs_ += pairs != 0;
+    const int added = store_bit_numbers(pairs, numbers_ + count_);
+    count_ += added;
+    node_pairs_[node_count_] = {a, b, count_};
+    node_count_ += added != 0;
     return count_ >= kMany;
   }
 
   /// Takes all out.
   ///
-  /// @param test  `test(Index a, Index b, int child of a, unsigned children of b)`
+  /// @param test  `test(Index a, Index b, std::span<const std::int32_t> pairs)`, eight times the child of a and that of
+  ///              b; seven more can be read
   template <typename Test>
   SELVAGE_INLINE void take_all(Test&& test) {
-    for (int i = 0; i < count_; ++i) {
-      const Index* const nodes = nodes_[rows_[i] >> 16];
-      test(nodes[0], nodes[1], rows_[i] >> 8 & 0xff, static_cast<unsigned>(rows_[i] & 0xff));
+    int first = 0;
+    for (int i = 0; i < node_count_; ++i) {
+      const auto [a, b, end] = node_pairs_[i];
+      test(a, b, std::span(numbers_ + first, numbers_ + end));
+      first = end;
     }
-    count_ = node_pairs_ = 0;
+    count_ = node_count_ = 0;
   }
 
  private:
-  static constexpr int kMany = 64, kRoom = kMany + BvhNode::kWidth;
-  int count_ = 0, node_pairs_ = 0;
-  Index nodes_[kRoom][2];
-  std::int32_t rows_[kRoom];  ///< children of b, child of a << 8, number of the two nodes << 16
+  static constexpr int kMany = 192, kMostOfTwo = BvhNode::kWidth * BvhNode::kWidth;
+  struct Nodes {
+    Index a, b;
+    int end;  ///< of their pairs
+  };
+  int count_ = 0, node_count_ = 0;
+  Nodes node_pairs_[kMany + 1];
+  std::int32_t numbers_[kMany + kMostOfTwo + 16] = {};
 };
+
+/// The mask of the first so many lanes of eight, or of all.
+SELVAGE_INLINE unsigned first_lanes(std::size_t count) {
+  return count < BvhNode::kWidth ? (1u << count) - 1 : 0xff;
+}
 
 /// What decides pairs exactly, one by one.
 inline void decide_all(const DiscreteScene& scene, const Index* first, const Index* second, unsigned lanes,
@@ -130,8 +163,10 @@ class PairBatch {
   auto planes() {
     return [this](const Index* first, const Index* second, unsigned lanes) { test_planes(first, second, lanes); };
   }
+  template <typename Known>
   auto crossing() {
-    return [this](const Index* first, const Index* second, unsigned lanes) { test_crossing(first, second, lanes); };
+    return
+        [this](const Index* first, const Index* second, unsigned lanes) { test_crossing<Known>(first, second, lanes); };
   }
   auto edges() {
     return [this](const Index* first, const Index* second, unsigned lanes) { test_edges(first, second, lanes); };
@@ -151,29 +186,35 @@ class PairBatch {
   }
   /// Adds those pairs of children of two nodes that are in the mask, told apart by the faces of both.
   SELVAGE_INLINE void add_children(Index a, Index b, std::uint64_t bits) {
-    if (rows_.add(a, b, bits)) test_faces();
+    if (children_.add(a, b, bits)) test_faces();
   }
 
   void flush() {
     met_.take_all(planes());
     test_faces();
-    close_.take_all(crossing());
+    close_.take_all(crossing<ByTriangle>());
+    close_in_leaves_.take_all(crossing<ByLeaf>());
     unclear_.take_all(edges());
   }
 
  private:
   void test_faces() {
-    rows_.take_all([this](Index a, Index b, int row, unsigned lanes) {
-      const unsigned close =
-          lanes & ~beside_faces(faces_of_a_.of(a), row, is_self_ ? faces_of_a_.of(b, a) : faces_of_b_.of(b));
-      if (close_.add_lanes(Int8::broadcast(scene_.a.nodes[a].children[row]), Int8::load(scene_.b.nodes[b].children),
-                           close))
-        close_.take_groups(crossing());
+    children_.take_all([this](Index a, Index b, std::span<const std::int32_t> pairs) {
+      const LeafFaces& of_a = faces_of_a_.of(a);
+      const LeafFaces& of_b = is_self_ ? faces_of_a_.of(b, a) : faces_of_b_.of(b);
+      const Int8 first_of_a = Int8::broadcast(a * BvhNode::kWidth), first_of_b = Int8::broadcast(b * BvhNode::kWidth);
+      for (std::size_t i = 0; i < pairs.size(); i += BvhNode::kWidth) {
+        const unsigned lanes = first_lanes(pairs.size() - i);
+        const Int8 k = Int8::load(pairs.data() + i), row = shift_right<3>(k);
+        const unsigned close = lanes & ~beside_faces(of_a, row, of_b, k);
+        if (close_in_leaves_.add_lanes(first_of_a | row, first_of_b | (k & Int8::broadcast(7)), close))
+          close_in_leaves_.take_groups(crossing<ByLeaf>());
+      }
     });
   }
 
   void test_planes(const Index* first, const Index* second, unsigned lanes) {
-    const WidePairs pairs(scene_, first, second);
+    const WidePairs<ByTriangle> pairs(scene_, first, second);
     unsigned apart;
     if (has_thickness_) {
       const Float8 away = distance(first, second);
@@ -181,21 +222,29 @@ class PairBatch {
     } else {
       apart = beside_plane(pairs.a, pairs.b) | beside_plane(pairs.b, pairs.a);
     }
-    if (close_.add_lanes(Int8::load(first), Int8::load(second), lanes & ~apart)) close_.take_groups(crossing());
+    if (close_.add_lanes(Int8::load(first), Int8::load(second), lanes & ~apart))
+      close_.take_groups(crossing<ByTriangle>());
   }
 
+  template <typename Known>
   void test_crossing(const Index* first, const Index* second, unsigned lanes) {
-    const WidePairs pairs(scene_, first, second);
+    const WidePairs<Known> pairs(scene_, first, second);
     const CertainLanes certain = tell_crossing(pairs.a, pairs.b);
-    for (unsigned rest = lanes & certain.cross; rest != 0; rest &= rest - 1)
-      take_crossing_pair(scene_, first[lowest_lane(rest)], second[lowest_lane(rest)], result_);
+    const auto visit = [&](unsigned rest, auto&& take) {
+      for (; rest != 0; rest &= rest - 1) {
+        const int lane = lowest_lane(rest);
+        take(Known::triangle(scene_.a, first[lane]), Known::triangle(scene_.b, second[lane]));
+      }
+    };
+    visit(lanes & certain.cross, [&](Index a, Index b) { take_crossing_pair(scene_, a, b, result_); });
     // What lies apart may be too near.
-    const unsigned unclear = lanes & ~certain.cross & ~(has_thickness_ ? 0 : certain.apart);
-    if (unclear_.add_lanes(Int8::load(first), Int8::load(second), unclear)) unclear_.take_groups(edges());
+    visit(lanes & ~certain.cross & ~(has_thickness_ ? 0 : certain.apart), [&](Index a, Index b) {
+      if (unclear_.add(a, b)) unclear_.take_groups(edges());
+    });
   }
 
   void test_edges(const Index* first, const Index* second, unsigned lanes) {
-    const WidePairs pairs(scene_, first, second);
+    const WidePairs<ByTriangle> pairs(scene_, first, second);
     const Float8 away = has_thickness_ ? distance(first, second) : Float8::broadcast(0);
     decide_all(scene_, first, second, lanes & ~apart_by_edges(pairs.a, pairs.b, away), result_);
   }
@@ -215,8 +264,9 @@ class PairBatch {
   DiscreteResult& result_;
   bool is_self_, has_thickness_;
   FaceCache faces_of_a_, faces_of_b_;
-  RowQueue rows_;
+  ChildrenQueue children_;
   PairQueue met_, close_, unclear_;
+  PairQueue close_in_leaves_;  ///< known ByLeaf, all else ByTriangle
 };
 
 }  // namespace SELVAGE_ISA

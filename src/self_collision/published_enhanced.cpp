@@ -73,8 +73,7 @@ bool EnhancedDualConeResult::does_clear(int child_count) const {
 }
 
 template <int kSteps>
-EnhancedDualConeResult test_enhanced_dual_cone(const Bvh& bvh, const SurfacePieces& pieces,
-                                               const SurfaceCones<kSteps>& cones,
+EnhancedDualConeResult test_enhanced_dual_cone(const Bvh& bvh, SurfacePieces& pieces, const SurfaceCones<kSteps>& cones,
                                                const std::array<std::span<const Vec3>, kSteps>& poses, Index node) {
   EnhancedDualConeResult result;
   const DirectionCone& normals = cones.normals(node);
@@ -86,7 +85,8 @@ EnhancedDualConeResult test_enhanced_dual_cone(const Bvh& bvh, const SurfacePiec
                 p[0] * plane.v_axis[0] + p[1] * plane.v_axis[1] + p[2] * plane.v_axis[2]);
   };
   std::array<ContourShare, BvhNode::kWidth> shares;
-  for (const Index edge : pieces.contours(node).edges) {
+  std::vector<char> workspace;
+  for (const Index edge : pieces.contours(node, workspace).edges) {
     PlaneEdge projected{pieces.tail(edge), pieces.head(edge), {}, {}, {}, {}};
     for (int s = 0; s < 2; ++s) {
       projected.tail[s] = project(poses[s % kSteps][projected.tail_vertex]);
@@ -115,9 +115,9 @@ EnhancedDualConeResult test_enhanced_dual_cone(const Bvh& bvh, const SurfacePiec
   return result;
 }
 
-template EnhancedDualConeResult test_enhanced_dual_cone<1>(const Bvh&, const SurfacePieces&, const SurfaceCones<1>&,
+template EnhancedDualConeResult test_enhanced_dual_cone<1>(const Bvh&, SurfacePieces&, const SurfaceCones<1>&,
                                                            const std::array<std::span<const Vec3>, 1>&, Index);
-template EnhancedDualConeResult test_enhanced_dual_cone<2>(const Bvh&, const SurfacePieces&, const SurfaceCones<2>&,
+template EnhancedDualConeResult test_enhanced_dual_cone<2>(const Bvh&, SurfacePieces&, const SurfaceCones<2>&,
                                                            const std::array<std::span<const Vec3>, 2>&, Index);
 
 }  // namespace selvage

@@ -16,8 +16,7 @@ struct EnhancedDualConeResult {
 
 /// EDC's conditions 1 to 3 as published, in plain floating point. They are not sufficient.
 template <int kSteps>
-EnhancedDualConeResult test_enhanced_dual_cone(const Bvh& bvh, const SurfacePieces& pieces,
-                                               const SurfaceCones<kSteps>& cones,
+EnhancedDualConeResult test_enhanced_dual_cone(const Bvh& bvh, SurfacePieces& pieces, const SurfaceCones<kSteps>& cones,
                                                const std::array<std::span<const Vec3>, kSteps>& poses, Index node);
 
 }  // namespace selvage

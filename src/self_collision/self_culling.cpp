@@ -75,9 +75,10 @@ struct NoWorkspace {};
 
 /// Binormals of contour edges that are not on the border of the whole surface.
 template <int kSteps>
-DirectionCone inner_binormals(const SurfacePieces& pieces, const SurfaceCones<kSteps>& cones, Index node) {
+DirectionCone inner_binormals(SurfacePieces& pieces, const SurfaceCones<kSteps>& cones, Index node) {
   DirectionCone inner;
-  for (const Index edge : pieces.contours(node).edges)
+  std::vector<char> workspace;
+  for (const Index edge : pieces.contours(node, workspace).edges)
     if (pieces.opposite(edge) != kNone) inner.merge(cones.binormals(edge));
   return inner;
 }
@@ -87,9 +88,8 @@ DirectionCone inner_binormals(const SurfacePieces& pieces, const SurfaceCones<kS
 ///
 /// @param simple_traversal  only nodes that pass all tests are left out
 template <int kSteps>
-void spare_as_published(bool simple_traversal, const Bvh& bvh, const SurfacePieces& pieces,
-                        const SurfaceCones<kSteps>& cones, const typename GraphTest<kSteps>::Poses& poses,
-                        SparedPairs& spared) {
+void spare_as_published(bool simple_traversal, const Bvh& bvh, SurfacePieces& pieces, const SurfaceCones<kSteps>& cones,
+                        const typename GraphTest<kSteps>::Poses& poses, SparedPairs& spared) {
   const auto nodes = bvh.nodes();
   if (!simple_traversal) spared.siblings.assign(nodes.size(), 0);
   std::vector<std::uint8_t> alone(nodes.size(), 0);
@@ -111,7 +111,7 @@ void spare_as_published(bool simple_traversal, const Bvh& bvh, const SurfacePiec
 }  // namespace
 
 template <int kSteps>
-SparedPairs spare_pairs(const SelfCollisionOptions& options, const Bvh& bvh, const SurfacePieces& pieces,
+SparedPairs spare_pairs(const SelfCollisionOptions& options, const Bvh& bvh, SurfacePieces& pieces,
                         const typename GraphTest<kSteps>::Poses& poses, GraphTest<kSteps>& test) {
   const CullingMethod method = options.method;
   SparedPairs spared;
@@ -147,6 +147,7 @@ SparedPairs spare_pairs(const SelfCollisionOptions& options, const Bvh& bvh, con
           method == CullingMethod::kNormalCone ? ContourTest::kAllEdges : ContourTest::kMonotoneRuns;
       clear_from_root<typename GraphTest<kSteps>::Workspace>(
           bvh, pieces, 1, spared, [&](Index n, typename GraphTest<kSteps>::Workspace& workspace) {
+            if (bvh.nodes()[n].children[0] >= 0) return false;  // no less to ask than to compare
             // The cone says where to look, and the test makes sure: cones are rounded.
             if (!(cones.normals(n).angle < std::numbers::pi / 2)) return false;
             const ProjectionPlane plane = plane_across(cones.normals(n).axis);
@@ -157,9 +158,9 @@ SparedPairs spare_pairs(const SelfCollisionOptions& options, const Bvh& bvh, con
   return spared;
 }
 
-template SparedPairs spare_pairs<1>(const SelfCollisionOptions&, const Bvh&, const SurfacePieces&,
-                                    const GraphTest<1>::Poses&, GraphTest<1>&);
-template SparedPairs spare_pairs<2>(const SelfCollisionOptions&, const Bvh&, const SurfacePieces&,
-                                    const GraphTest<2>::Poses&, GraphTest<2>&);
+template SparedPairs spare_pairs<1>(const SelfCollisionOptions&, const Bvh&, SurfacePieces&, const GraphTest<1>::Poses&,
+                                    GraphTest<1>&);
+template SparedPairs spare_pairs<2>(const SelfCollisionOptions&, const Bvh&, SurfacePieces&, const GraphTest<2>::Poses&,
+                                    GraphTest<2>&);
 
 }  // namespace selvage

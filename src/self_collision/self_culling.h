@@ -42,7 +42,7 @@ struct SparedPairs {
 ///
 /// @param test  memory to use again for every pose
 template <int kSteps>
-SparedPairs spare_pairs(const SelfCollisionOptions& options, const Bvh& bvh, const SurfacePieces& pieces,
+SparedPairs spare_pairs(const SelfCollisionOptions& options, const Bvh& bvh, SurfacePieces& pieces,
                         const typename GraphTest<kSteps>::Poses& poses, GraphTest<kSteps>& test);
 
 }  // namespace selvage

@@ -1,9 +1,10 @@
 #include "self_collision/surface_pieces.h"
 
+#include "self_collision/contour_kernel.h"
 #include "selvage/core/parallel.h"
 
 #include <atomic>
-#include <numeric>
+#include <cstring>
 
 namespace selvage {
 
@@ -73,42 +74,19 @@ std::vector<SurfacePieces::Range> find_ranges(std::span<const BvhNode> nodes) {
   return ranges;
 }
 
-/// All its children are triangles.
-bool is_leaf_node(const BvhNode& node) {
-  return node.children[0] >= 0;
-}
-
-/// The contours of one piece.
-struct Loops {
-  std::vector<Index> edges;
-  std::vector<Index> ends;
-};
-
-/// Lists of all nodes one after the other.
-template <typename Member>
-std::vector<Index> concatenate(const std::vector<Loops>& all, Member member, std::vector<std::int64_t>& first) {
-  first.assign(all.size() + 1, 0);
-  for (std::size_t n = 0; n < all.size(); ++n) first[n + 1] = first[n] + std::ssize(all[n].*member);
-  std::vector<Index> joined(first.back());
-  parallel_for(std::ssize(all), 512, [&](std::int64_t n) {
-    std::copy((all[n].*member).begin(), (all[n].*member).end(), joined.begin() + first[n]);
-  });
-  return joined;
-}
-
 }  // namespace
 
 SurfacePieces::SurfacePieces(const TriangleMesh& mesh, const Bvh& bvh) {
   if (bvh.nodes().empty()) return;
   const std::vector<Index> order = bvh.leaf_order();
   ranges_ = find_ranges(bvh.nodes());
+  contours_.resize(bvh.nodes().size());
   place_triangles(mesh, order, {});
   if (!link_edges(mesh, order, {})) {
     const std::vector<char> turned = find_turned(mesh);
     place_triangles(mesh, order, turned);
     link_edges(mesh, order, turned);
   }
-  find_contours(bvh);
 }
 
 int SurfacePieces::child_at(std::span<const BvhNode> nodes, Index node, Index place) const {
@@ -149,51 +127,32 @@ bool SurfacePieces::link_edges(const TriangleMesh& mesh, std::span<const Index> 
   return all_agree;
 }
 
-Index SurfacePieces::next_on_contour(Index edge, const Range& range) const {
-  Index next = next_in_triangle(edge);
-  while (!is_on_contour(next, range)) next = next_in_triangle(opposite_[next]);
-  return next;
+const SurfacePieces::Contours& SurfacePieces::contours(Index node, std::vector<char>& workspace) {
+  if (!contours_[node]) contours_[node] = std::make_unique<const Contours>(trace_contours(node, workspace));
+  return *contours_[node];
 }
 
-void SurfacePieces::find_contours(const Bvh& bvh) {
-  const auto nodes = bvh.nodes();
-  const auto levels = bvh.levels();
-  std::vector<Loops> all(nodes.size());
-  std::vector<char> waiting(opposite_.size(), 0);  // nodes of one level share no edge
-  const auto find_loops = [&](Index n) {
-    const BvhNode& node = nodes[n];
-    if (is_leaf_node(node)) return;
-    const Range range = ranges_[n];
-    std::vector<Index> on_contour;
-    const auto take = [&](Index edge) {
-      if (!is_on_contour(edge, range)) return;
-      on_contour.push_back(edge);
-      waiting[edge] = 1;
-    };
-    for (int i = 0; i < node.child_count; ++i) {
-      const Index child = node.children[i];
-      if (child < 0 && !is_leaf_node(nodes[~child])) {
-        for (const Index edge : all[~child].edges) take(edge);
-        continue;
-      }
-      const Index place = range.last - node.child_count + i;
-      const Range below = child < 0 ? ranges_[~child] : Range{place, place + 1};
-      for (Index edge = 3 * below.first; edge < 3 * below.last; ++edge) take(edge);
-    }
-    for (const Index start : on_contour) {
-      if (!waiting[start]) continue;
-      for (Index edge = start; waiting[edge]; edge = next_on_contour(edge, range)) {
-        waiting[edge] = 0;
-        all[n].edges.push_back(edge);
-      }
-      all[n].ends.push_back(static_cast<Index>(all[n].edges.size()));
-    }
+SurfacePieces::Contours SurfacePieces::trace_contours(Index node, std::vector<char>& workspace) const {
+  Contours contours;
+  const Index base = 3 * ranges_[node].first, end = 3 * ranges_[node].last;
+  workspace.resize(end - base);
+  char* const waiting = workspace.data();  // edges of contours that are still to come
+  SELVAGE_DISPATCH(mark_contour, opposite_.data(), base, end, waiting);
+  const auto next_on_contour = [&](Index edge) {
+    Index next = next_in_triangle(edge);
+    while (opposite_[next] >= base && opposite_[next] < end) next = next_in_triangle(opposite_[next]);
+    return next;
   };
-  for (std::size_t level = levels.size() - 1; level-- > 0;)
-    parallel_for(levels[level + 1] - levels[level], 64,
-                 [&](std::int64_t i) { find_loops(levels[level] + static_cast<Index>(i)); });
-  edges_ = concatenate(all, &Loops::edges, first_edge_);
-  loops_ = concatenate(all, &Loops::ends, first_loop_);
+  for (Index start = base;; ++start) {
+    const void* const found = std::memchr(waiting + (start - base), 1, static_cast<std::size_t>(end - start));
+    if (found == nullptr) return contours;
+    start = base + static_cast<Index>(static_cast<const char*>(found) - waiting);
+    for (Index edge = start; waiting[edge - base] != 0; edge = next_on_contour(edge)) {
+      waiting[edge - base] = 0;
+      contours.edges.push_back(edge);
+    }
+    contours.loops.push_back(static_cast<Index>(contours.edges.size()));
+  }
 }
 
 }  // namespace selvage

@@ -3,9 +3,11 @@
 #include "selvage/bvh/bvh.h"
 #include "selvage/mesh/triangle_mesh.h"
 
+#include <memory>
+
 namespace selvage {
 
-/// The piece of surface below each node of a hierarchy over triangles, and its contours: topology, found once.
+/// The piece of surface below each node of a hierarchy over triangles: topology, found once.
 ///
 /// Triangles stand in the order of the leaves, so that those below a node are neighbours, and are turned so that
 /// neighbours across an edge agree on which side is which, as far as that can be. A directed edge is 3 * place + i: of
@@ -19,7 +21,7 @@ class SurfacePieces {
  public:
   SurfacePieces() = default;
 
-  /// O(n) and parallel within each level, but for the turning of triangles, which is O(n) on one thread.
+  /// O(n), parallel but for the turning of triangles and the order of the leaves.
   SurfacePieces(const TriangleMesh& mesh, const Bvh& bvh);
 
   /// (n_triangles) vertices of the triangles in the order of the leaves, turned.
@@ -36,15 +38,16 @@ class SurfacePieces {
   /// (n_nodes) places of the triangles below each node.
   std::span<const Range> ranges() const { return ranges_; }
 
-  /// The contours of a node's piece, one loop after the other.
+  /// The contours of a piece, one loop after the other.
   struct Contours {
-    std::span<const Index> edges;  ///< directed edges; each begins where the one before it in its loop ends
-    std::span<const Index> loops;  ///< end of each loop among the edges
+    std::vector<Index> edges;  ///< directed edges; each begins where the one before it in its loop ends
+    std::vector<Index> loops;  ///< end of each loop among the edges
   };
-  Contours contours(Index node) const {
-    return {std::span(edges_).subspan(first_edge_[node], first_edge_[node + 1] - first_edge_[node]),
-            std::span(loops_).subspan(first_loop_[node], first_loop_[node + 1] - first_loop_[node])};
-  }
+
+  /// The contours of a node's piece: found when they are first asked for, in O(triangles below it), and kept; of most
+  /// nodes nobody asks. Thread-safe for different nodes.
+  /// @param workspace  memory of one thread
+  const Contours& contours(Index node, std::vector<char>& workspace);
 
   /// Vertex where a directed edge begins, and where it ends.
   Index tail(Index edge) const { return triangles_[edge / 3][edge % 3]; }
@@ -63,17 +66,13 @@ class SurfacePieces {
   void place_triangles(const TriangleMesh& mesh, std::span<const Index> order, std::span<const char> turned);
   /// False where two triangles at an edge do not agree which side is which.
   bool link_edges(const TriangleMesh& mesh, std::span<const Index> order, std::span<const char> turned);
-  void find_contours(const Bvh& bvh);
-  bool is_on_contour(Index edge, const Range& range) const {
-    return opposite_[edge] == kNone || !range.holds(opposite_[edge] / 3);
-  }
-  Index next_on_contour(Index edge, const Range& range) const;
+
+  Contours trace_contours(Index node, std::vector<char>& workspace) const;
 
   std::vector<TriangleMesh::Triangle> triangles_;
   std::vector<Index> opposite_;
   std::vector<Range> ranges_;
-  std::vector<Index> edges_, loops_;
-  std::vector<std::int64_t> first_edge_, first_loop_;
+  std::vector<std::unique_ptr<const Contours>> contours_;
 };
 
 }  // namespace selvage

@@ -192,6 +192,8 @@ struct Scene {
   }
   Scene(const Scene&) = delete;
 
+  const SurfacePieces::Contours& contours(Index node) { return pieces.contours(node, workspace.waiting); }
+
   TriangleMesh mesh;
   std::vector<Vec3> positions;
   Bvh bvh;
@@ -202,7 +204,7 @@ struct Scene {
 
 /// Nodes that pass all of EDC's conditions as published, and yet hold a pair.
 int nodes_cleared_in_error(const Surface& surface) {
-  const Scene scene(surface);
+  Scene scene(surface);
   const SurfaceCones<1> cones(scene.bvh, scene.pieces, {scene.positions});
   const std::vector<Index> place = places(scene.bvh);
   const Pairs pairs = pairs_by(CullingMethod::kBvh, surface);
@@ -229,7 +231,7 @@ TEST(PublishedConditions, AllTogetherDoNotSuffice) {
 /// Pairs of triangles that lie in two children of a node which EDC's condition 3 takes for apart, of a node that is not
 /// cleared as a whole: what algorithm 3 skips.
 std::int64_t pairs_skipped_between_siblings(const Surface& surface) {
-  const Scene scene(surface);
+  Scene scene(surface);
   const SurfaceCones<1> cones(scene.bvh, scene.pieces, {scene.positions});
   const std::vector<Index> place = places(scene.bvh);
   const Pairs pairs = pairs_by(CullingMethod::kBvh, surface);
@@ -273,7 +275,7 @@ TEST(GraphTest, IsNotFooledByNestedContours) {
   EXPECT_FALSE(pairs_by(CullingMethod::kBvh, surface).empty());
   Scene scene(surface);
   const ProjectionPlane plane = plane_across(Vec3(0, 0, 1));
-  EXPECT_EQ(scene.pieces.contours(0).loops.size(), 2u);
+  EXPECT_EQ(scene.contours(0).loops.size(), 2u);
   EXPECT_TRUE(scene.graphs.do_triangles_face(0, plane));
   EXPECT_FALSE(scene.graphs.is_contour_embedded(0, plane, scene.workspace));
   ASSERT_NO_FATAL_FAILURE(expect_all_agree(surface));
@@ -294,7 +296,7 @@ TEST(GraphTest, ClearsSheetsSideBySideAndWithHoles) {
     return middle[0] > 2 && middle[0] < 4 && middle[1] > 2 && middle[1] < 4;
   });
   Scene holed(left);
-  EXPECT_EQ(holed.pieces.contours(0).loops.size(), 2u);
+  EXPECT_EQ(holed.contours(0).loops.size(), 2u);
   EXPECT_TRUE(holed.graphs.is_graph(0, holed.workspace));
 }
 

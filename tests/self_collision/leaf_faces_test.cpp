@@ -53,8 +53,11 @@ void visit_told(const Posed& posed, Visit&& visit) {
     for (std::size_t b = 0; b < nodes.size(); ++b)
       for (int i = 0; i < nodes[a].child_count; ++i) {
         if (nodes[a].children[i] < 0) continue;
+        std::int32_t pairs[64];
+        ASSERT_EQ(store_bit_numbers(std::uint64_t{0xff} << 8 * i, pairs), 8);
         const unsigned beside =
-            beside_faces(faces->of(static_cast<Index>(a)), i, faces->of(static_cast<Index>(b), static_cast<Index>(a)));
+            beside_faces(faces->of(static_cast<Index>(a)), shift_right<3>(Int8::load(pairs)),
+                         faces->of(static_cast<Index>(b), static_cast<Index>(a)), Int8::load(pairs));
         for (int k = 0; k < nodes[b].child_count; ++k)
           if (nodes[b].children[k] >= 0 && do_boxes_meet(nodes[a].box(i), nodes[b].box(k)))
             visit(nodes[a].children[i], nodes[b].children[k], (beside >> k & 1) != 0);

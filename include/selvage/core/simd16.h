@@ -193,6 +193,15 @@ SELVAGE_INLINE Int8 operator|(Int8 a, Int8 b) {
 SELVAGE_INLINE Int8 operator~(Int8 a) {
   return {_mm256_xor_si256(a.v, _mm256_set1_epi32(-1))};
 }
+/// Without sign.
+template <int kBits>
+SELVAGE_INLINE Int8 shift_right(Int8 a) {
+  return {_mm256_srli_epi32(a.v, kBits)};
+}
+/// The lanes of these numbers; only their lowest three bits count.
+SELVAGE_INLINE Float8 pick_lanes(Float8 a, Int8 numbers) {
+  return {_mm256_permutevar8x32_ps(a.v, numbers.v)};
+}
 SELVAGE_INLINE unsigned negative(Int8 a) {
   return static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(a.v)));
 }
@@ -233,6 +242,19 @@ SELVAGE_INLINE Int8 operator~(Int8 a) {
   for (int i = 0; i < 8; ++i) a.v[i] = ~a.v[i];
   return a;
 }
+/// Without sign.
+template <int kBits>
+SELVAGE_INLINE Int8 shift_right(Int8 a) {
+  for (int i = 0; i < 8; ++i) a.v[i] = static_cast<std::int32_t>(static_cast<std::uint32_t>(a.v[i]) >> kBits);
+  return a;
+}
+/// The lanes of these numbers; only their lowest three bits count.
+SELVAGE_INLINE Float8 pick_lanes(const Float8& a, const Int8& numbers) {
+  float all[8], picked[8];
+  a.store(all);
+  for (int i = 0; i < 8; ++i) picked[i] = all[numbers.v[i] & 7];
+  return Float8::load(picked);
+}
 SELVAGE_INLINE unsigned negative(const Int8& a) {
   unsigned mask = 0;
   for (int i = 0; i < 8; ++i) mask |= static_cast<unsigned>(a.v[i] < 0) << i;
@@ -260,6 +282,30 @@ SELVAGE_INLINE void store_packed(Int8 a, unsigned lanes, std::int32_t* p) {
   a.store(all);
   for (; lanes != 0; lanes &= lanes - 1) *p++ = all[lowest_lane(lanes)];
 #endif
+}
+
+/// Stores the numbers of the bits, the lowest first; what lies behind them, up to 16 more than there are, is
+/// overwritten. Returns how many there are.
+SELVAGE_INLINE int store_bit_numbers(std::uint64_t bits, std::int32_t* p) {
+  int count = 0;
+#ifdef SELVAGE_SIMD_AVX512
+  __m512i numbers = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  for (int i = 0; i < 64; i += 16) {
+    const auto sixteen = static_cast<__mmask16>(bits >> i);
+    _mm512_storeu_si512(p + count, _mm512_maskz_compress_epi32(sixteen, numbers));
+    count += count_lanes(sixteen);
+    numbers = _mm512_add_epi32(numbers, _mm512_set1_epi32(16));
+  }
+#else
+  alignas(32) static constexpr std::int32_t kLaneNumbers[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+  const Int8 lanes = Int8::load(kLaneNumbers);
+  for (int i = 0; i < 64; i += 8) {
+    const auto eight = static_cast<unsigned>(bits >> i) & 0xffu;
+    store_packed(lanes | Int8::broadcast(i), eight, p + count);
+    count += count_lanes(eight);
+  }
+#endif
+  return count;
 }
 
 /// A table of 32 masks for each axis.
