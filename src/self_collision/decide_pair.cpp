@@ -73,8 +73,11 @@ void decide_pair(const DiscreteScene& scene, Index first, Index second, Discrete
   if (contact) note_pair(scene, first, second, *contact, result);
 }
 
-void take_crossing_pair(const DiscreteScene& scene, Index first, Index second, DiscreteResult& result) {
-  if (is_wanted(scene, first, second)) note_pair(scene, first, second, TriangleContact::kCrossing, result);
+void take_crossing_pairs(const DiscreteScene& scene, const Index* first, const Index* second, int count,
+                         DiscreteResult& result) {
+  for (int i = 0; i < count; ++i)
+    if (is_wanted(scene, first[i], second[i]))
+      note_pair(scene, first[i], second[i], TriangleContact::kCrossing, result);
 }
 
 }  // namespace selvage

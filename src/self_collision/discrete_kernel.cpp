@@ -115,7 +115,9 @@ class Search {
       else
         place = listed.end - 1;
       ++place;
+      if (waiting_count_ >= kManyWaiting) search_waiting();
     }
+    search_waiting();
   }
 
   /// A pair of primitives whose boxes meet.
@@ -158,9 +160,20 @@ class Search {
     }
     const std::uint64_t neighbours = listed.neighbours & traversal::primitive_pairs(a, b);
     traversal::hand_on_children(
-        a, b, pair, strangers, [&](NodePair next) { search_below<true>(next, false); },
+        a, b, pair, strangers,
+        [&](NodePair next) {
+          traversal::prefetch_node(scene_.a.nodes[next.a]);
+          traversal::prefetch_node(scene_.a.nodes[next.b]);
+          waiting_[waiting_count_++] = next;
+        },
         [&](const PrimitivePairs& pairs) { take(pairs, 0); });
     take({pair.a, pair.b, neighbours}, neighbours);
+  }
+
+  /// What is below pairs of strangers, which by now are in the caches.
+  void search_waiting() {
+    for (int i = 0; i < waiting_count_; ++i) search_below<true>(waiting_[i], false);
+    waiting_count_ = 0;
   }
 
   static Index triangle(const SurfaceView& surface, Index primitive) {
@@ -213,6 +226,9 @@ class Search {
   PairBatch disjoint_;
   AdjacentBatch<1> by_vertex_;
   AdjacentBatch<2> by_edge_;
+  static constexpr int kManyWaiting = 16;
+  int waiting_count_ = 0;
+  NodePair waiting_[kManyWaiting + BvhNode::kWidth * BvhNode::kWidth];
 };
 
 }  // namespace

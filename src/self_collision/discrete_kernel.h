@@ -24,7 +24,8 @@ SELVAGE_DISCRETE_KERNEL
 /// Decides a pair of triangles (of a, of b) exactly and notes it where it counts. Compiled once, for every x86-64.
 void decide_pair(const DiscreteScene& scene, Index first, Index second, DiscreteResult& result);
 
-/// Notes a pair that is known to cross, where it counts.
-void take_crossing_pair(const DiscreteScene& scene, Index first, Index second, DiscreteResult& result);
+/// Notes those of so many pairs, all known to cross, that count.
+void take_crossing_pairs(const DiscreteScene& scene, const Index* first, const Index* second, int count,
+                         DiscreteResult& result);
 
 }  // namespace selvage

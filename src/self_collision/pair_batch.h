@@ -6,6 +6,8 @@
 #include "self_collision/leaf_faces.h"
 #include "selvage/core/simd16.h"
 
+#include <tuple>
+
 namespace selvage {
 inline namespace SELVAGE_ISA {
 
@@ -86,6 +88,15 @@ class PairQueue {
     count_ -= start;
   }
 
+  /// Takes out all pairs.
+  ///
+  /// @param take  `take(Index* first, Index* second, int count)`, which may change them
+  template <typename Take>
+  SELVAGE_INLINE void take_at_once(Take&& take) {
+    take(first_, second_, count_);
+    count_ = 0;
+  }
+
   /// Takes out all pairs, the last ones in a group that the first of them fills.
   template <typename Test>
   SELVAGE_INLINE void take_all(Test&& test) {
@@ -105,47 +116,43 @@ class PairQueue {
   Index first_[kMany + kGroup], second_[kMany + kGroup];
 };
 
-/// Pairs of children of two nodes that wait to be compared. Nothing is a branch: how many there are of two nodes is
-/// never the same.
+/// Pairs of children of two nodes that wait to be compared.
 class ChildrenQueue {
  public:
-  /// Adds pairs of children of two nodes. Returns whether there are many.
+  /// Adds pairs of children of two nodes. Returns whether there are many. Of most nodes there are none, but of which is
+  /// hard to predict.
   SELVAGE_INLINE bool add(Index a, Index b, std::uint64_t pairs) {
-    const int added = store_bit_numbers(pairs, numbers_ + count_);
-    count_ += added;
-    node_pairs_[node_count_] = {a, b, count_};
-    node_count_ += added != 0;
-    return count_ >= kMany;
+    waiting_[count_] = {a, b, pairs};
+    count_ += pairs != 0;
+    return count_ == kMany;
   }
 
   /// Takes all out.
   ///
-  /// @param test  `test(Index a, Index b, std::span<const std::int32_t> pairs)`, eight times the child of a and that of
-  ///              b; seven more can be read
+  /// @param test  `test(Index a, Index b, const std::int32_t* pairs, int count)`, each eight times the child of a and
+  ///              that of b; up to seven more can be read
   template <typename Test>
   SELVAGE_INLINE void take_all(Test&& test) {
-    int first = 0;
-    for (int i = 0; i < node_count_; ++i) {
-      const auto [a, b, end] = node_pairs_[i];
-      test(a, b, std::span(numbers_ + first, numbers_ + end));
-      first = end;
-    }
-    count_ = node_count_ = 0;
+    int ends[kMany];
+    for (int i = 0, end = 0; i < count_; ++i) ends[i] = end += store_bit_numbers(waiting_[i].pairs, numbers_ + end);
+    for (int i = 0, begin = 0; i < count_; begin = ends[i++])
+      test(waiting_[i].a, waiting_[i].b, numbers_ + begin, ends[i] - begin);
+    count_ = 0;
   }
 
  private:
-  static constexpr int kMany = 192, kMostOfTwo = BvhNode::kWidth * BvhNode::kWidth;
-  struct Nodes {
+  static constexpr int kMany = 32, kMostOfTwo = BvhNode::kWidth * BvhNode::kWidth;
+  struct Children {
     Index a, b;
-    int end;  ///< of their pairs
+    std::uint64_t pairs;
   };
-  int count_ = 0, node_count_ = 0;
-  Nodes node_pairs_[kMany + 1];
-  std::int32_t numbers_[kMany + kMostOfTwo + 16] = {};
+  int count_ = 0;
+  Children waiting_[kMany];
+  std::int32_t numbers_[kMany * kMostOfTwo + 16] = {};
 };
 
 /// The mask of the first so many lanes of eight, or of all.
-SELVAGE_INLINE unsigned first_lanes(std::size_t count) {
+SELVAGE_INLINE unsigned first_lanes(int count) {
   return count < BvhNode::kWidth ? (1u << count) - 1 : 0xff;
 }
 
@@ -160,6 +167,12 @@ inline void decide_all(const DiscreteScene& scene, const Index* first, const Ind
 /// bound of all rounding: the planes of both tell apart nearly all that do not meet; nearly all that cross certainly
 /// do; the edges tell apart most of the rest. What is left is decided exactly.
 class PairBatch {
+  /// Pairs that are close, and those of them that cross.
+  template <typename Known>
+  struct Close {
+    PairQueue close, crossing;
+  };
+
   auto planes() {
     return [this](const Index* first, const Index* second, unsigned lanes) { test_planes(first, second, lanes); };
   }
@@ -192,23 +205,21 @@ class PairBatch {
   void flush() {
     met_.take_all(planes());
     test_faces();
-    close_.take_all(crossing<ByTriangle>());
-    close_in_leaves_.take_all(crossing<ByLeaf>());
+    flush_close<ByTriangle>();
+    flush_close<ByLeaf>();
     unclear_.take_all(edges());
   }
 
  private:
   void test_faces() {
-    children_.take_all([this](Index a, Index b, std::span<const std::int32_t> pairs) {
+    children_.take_all([this](Index a, Index b, const std::int32_t* pairs, int count) {
       const LeafFaces& of_a = faces_of_a_.of(a);
       const LeafFaces& of_b = is_self_ ? faces_of_a_.of(b, a) : faces_of_b_.of(b);
       const Int8 first_of_a = Int8::broadcast(a * BvhNode::kWidth), first_of_b = Int8::broadcast(b * BvhNode::kWidth);
-      for (std::size_t i = 0; i < pairs.size(); i += BvhNode::kWidth) {
-        const unsigned lanes = first_lanes(pairs.size() - i);
-        const Int8 k = Int8::load(pairs.data() + i), row = shift_right<3>(k);
-        const unsigned close = lanes & ~beside_faces(of_a, row, of_b, k);
-        if (close_in_leaves_.add_lanes(first_of_a | row, first_of_b | (k & Int8::broadcast(7)), close))
-          close_in_leaves_.take_groups(crossing<ByLeaf>());
+      for (int i = 0; i < count; i += BvhNode::kWidth) {
+        const Int8 k = Int8::load(pairs + i), row = shift_right<3>(k);
+        const unsigned close = first_lanes(count - i) & ~beside_faces(of_a, row, of_b, k);
+        add_close<ByLeaf>(first_of_a | row, first_of_b | (k & Int8::broadcast(7)), close);
       }
     });
   }
@@ -222,24 +233,44 @@ class PairBatch {
     } else {
       apart = beside_plane(pairs.a, pairs.b) | beside_plane(pairs.b, pairs.a);
     }
-    if (close_.add_lanes(Int8::load(first), Int8::load(second), lanes & ~apart))
-      close_.take_groups(crossing<ByTriangle>());
+    add_close<ByTriangle>(Int8::load(first), Int8::load(second), lanes & ~apart);
+  }
+
+  template <typename Known>
+  SELVAGE_INLINE void add_close(Int8 first, Int8 second, unsigned lanes) {
+    PairQueue& close = std::get<Close<Known>>(close_).close;
+    if (close.add_lanes(first, second, lanes)) close.take_groups(crossing<Known>());
+  }
+
+  template <typename Known>
+  void flush_close() {
+    std::get<Close<Known>>(close_).close.take_all(crossing<Known>());
+    take_crossing<Known>();
   }
 
   template <typename Known>
   void test_crossing(const Index* first, const Index* second, unsigned lanes) {
     const WidePairs<Known> pairs(scene_, first, second);
     const CertainLanes certain = tell_crossing(pairs.a, pairs.b);
-    const auto visit = [&](unsigned rest, auto&& take) {
-      for (; rest != 0; rest &= rest - 1) {
-        const int lane = lowest_lane(rest);
-        take(Known::triangle(scene_.a, first[lane]), Known::triangle(scene_.b, second[lane]));
-      }
-    };
-    visit(lanes & certain.cross, [&](Index a, Index b) { take_crossing_pair(scene_, a, b, result_); });
+    PairQueue& crossing = std::get<Close<Known>>(close_).crossing;
+    if (crossing.add_lanes(Int8::load(first), Int8::load(second), lanes & certain.cross) || result_.stop != nullptr)
+      take_crossing<Known>();
     // What lies apart may be too near.
-    visit(lanes & ~certain.cross & ~(has_thickness_ ? 0 : certain.apart), [&](Index a, Index b) {
-      if (unclear_.add(a, b)) unclear_.take_groups(edges());
+    for (unsigned rest = lanes & ~certain.cross & ~(has_thickness_ ? 0 : certain.apart); rest != 0; rest &= rest - 1) {
+      const int lane = lowest_lane(rest);
+      if (unclear_.add(Known::triangle(scene_.a, first[lane]), Known::triangle(scene_.b, second[lane])))
+        unclear_.take_groups(edges());
+    }
+  }
+
+  template <typename Known>
+  void take_crossing() {
+    std::get<Close<Known>>(close_).crossing.take_at_once([&](Index* first, Index* second, int count) {
+      for (int i = 0; i < count; ++i) {
+        first[i] = Known::triangle(scene_.a, first[i]);
+        second[i] = Known::triangle(scene_.b, second[i]);
+      }
+      take_crossing_pairs(scene_, first, second, count, result_);
     });
   }
 
@@ -265,8 +296,8 @@ class PairBatch {
   bool is_self_, has_thickness_;
   FaceCache faces_of_a_, faces_of_b_;
   ChildrenQueue children_;
-  PairQueue met_, close_, unclear_;
-  PairQueue close_in_leaves_;  ///< known ByLeaf, all else ByTriangle
+  PairQueue met_, unclear_;
+  std::tuple<Close<ByTriangle>, Close<ByLeaf>> close_;
 };
 
 }  // namespace SELVAGE_ISA
