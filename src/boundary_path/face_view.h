@@ -71,7 +71,6 @@ struct FaceView {
   Vector16 apexes[D];
   unsigned cullable[D];       ///< pairs whose corner is
   unsigned has_neighbour[D];  ///< pairs whose neighbour opposite to the corner may be a candidate
-  unsigned excluded;          ///< pairs whose face has all the vertices on which p lies: no candidate
   float rounding;             ///< twice what a coordinate may be off
 
   /// Bounds the squared distances from below. Any direction bounds the distance of a whole face, as far as the face

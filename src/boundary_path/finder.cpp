@@ -98,6 +98,7 @@ struct BoundaryPathFinder<D>::State {
             &mesh,
             pose.faces().nodes(),
             pose.cones().data(),
+            pose.face_leaves().data(),
             topology.face_stars.data(),
             pose.rounded_positions().data(),
             pose.rounding(),

@@ -98,8 +98,9 @@ SELVAGE_INLINE void GroupSearch<D>::visit_together(Index place, unsigned lanes, 
       nodes_.lanes[nodes_.count] = static_cast<Index>(wanted);
       nodes_.count += wanted != 0;
     } else {
+      const unsigned candidates = any_sources_ ? wanted & ~excluded_from(scene_.face_leaves[place], k) : wanted;
       for (const int half : {0, 8}) {
-        const unsigned some = wanted >> half & 0xffu;
+        const unsigned some = candidates >> half & 0xffu;
         store_packed(Int8::load(kLanes + half), some, faces_.lanes.data() + faces_.count);
         Int8::broadcast(child).store(faces_.items.data() + faces_.count);
         faces_.count += static_cast<std::size_t>(count_lanes(some));
@@ -124,7 +125,31 @@ SELVAGE_INLINE void GroupSearch<D>::visit(Index place, Index lane) {
   Index places[BvhNode::kWidth];
   (~Int8::load(node.children)).store(places);
   nodes_.add(places, wanted & nodes, 1 << lane);
-  faces_.add(node.children, wanted & ~nodes, lane);
+  wanted &= ~nodes;
+  if (any_sources_) wanted &= ~excluded_faces(scene_.face_leaves[place], lane);
+  faces_.add(node.children, wanted, lane);
+}
+
+/// Lanes for which the face in a leaf has all the vertices on which p lies, and is no candidate.
+template <int D>
+SELVAGE_INLINE unsigned GroupSearch<D>::excluded_from(const LeafNode<D>& leaf, int child) const {
+  unsigned with_source[2] = {0, 0};
+  for (int i = 0; i < 2; ++i)
+    for (int k = 0; k < D; ++k)
+      with_source[i] |=
+          equal_bits(Float16::load(sources_[i]), Float16::broadcast(std::bit_cast<float>(leaf.vertices[k][child])));
+  return with_source[0] & with_source[1];
+}
+
+/// The same for all faces in a leaf, and one lane.
+template <int D>
+SELVAGE_INLINE unsigned GroupSearch<D>::excluded_faces(const LeafNode<D>& leaf, Index lane) const {
+  unsigned with_source[2] = {0, 0};
+  for (int i = 0; i < 2; ++i)
+    for (int k = 0; k < D; ++k)
+      with_source[i] |= equal_bits(Float8::load(reinterpret_cast<const float*>(leaf.vertices[k])),
+                                   Float8::broadcast(sources_[i][lane]));
+  return with_source[0] & with_source[1];
 }
 
 /// Lanes that find no answer below a child: see seen_askew().
@@ -177,7 +202,7 @@ SELVAGE_INLINE FaceView<D> GroupSearch<D>::view(const Index* faces, const Index*
   view.rounding = scene_.rounding;
   for (int i = 0; i < kWidth; ++i) stars[i] = scene_.face_stars + faces[i];
   for (int i = 0; i < 3; ++i) view.p.at[i] = Float16::pick(eye_[i], lanes);
-  Float16 corners[D], apexes[D];
+  Float16 apexes[D];
   for (int k = 0; k < D; ++k) {
     const Vertices16 corner = gather_vertices(scene_.rounded, [&](int lane) { return stars[lane]->vertices[k]; });
     const Vertices16 apex = gather_vertices(scene_.rounded, [&](int lane) { return stars[lane]->apexes[k]; });
@@ -185,21 +210,14 @@ SELVAGE_INLINE FaceView<D> GroupSearch<D>::view(const Index* faces, const Index*
     view.cullable[k] = corner.cullable();
     view.apexes[k] = apex.x;
     view.has_neighbour[k] = ~0u;
-    corners[k] = corner.numbers();
     apexes[k] = apex.numbers();
   }
-  view.excluded = 0;
-  if (!any_sources_) return view;
-  unsigned with_source[2] = {0, 0};
+  if (!any_barring_) return view;
+  // A neighbour that has what p lies on is no candidate.
   for (int i = 0; i < 2; ++i) {
-    const Float16 source = Float16::pick(sources_[i], lanes), barring = Float16::pick(barring_sources_[i], lanes);
-    for (int k = 0; k < D; ++k) {
-      with_source[i] |= equal_bits(corners[k], source);
-      // A neighbour that has what p lies on is no candidate.
-      view.has_neighbour[k] &= ~equal_bits(apexes[k], barring);
-    }
+    const Float16 barring = Float16::pick(barring_sources_[i], lanes);
+    for (int k = 0; k < D; ++k) view.has_neighbour[k] &= ~equal_bits(apexes[k], barring);
   }
-  view.excluded = with_source[0] & with_source[1];
   return view;
 }
 
@@ -216,10 +234,8 @@ SELVAGE_INLINE void GroupSearch<D>::look_at_faces(std::size_t first) {
     culling |= (culling_ >> lanes[i] & 1u) << i;
     prefetch(scene_.face_stars + faces_.items[ahead < faces_.count ? ahead : pair]);
   }
-  const FaceView<D> faces_from_points = view(faces, lanes);
-  const FaceFindings<D> found = look_at(faces_from_points);
-  const unsigned present = 0xffffu >> (kWidth - count) & ~faces_from_points.excluded;
-  const unsigned culled = found.culled() & culling & present;
+  const FaceFindings<D> found = look_at(view(faces, lanes));
+  const unsigned present = 0xffffu >> (kWidth - count), culled = found.culled() & culling & present;
   const unsigned near = less_equal(found.squared_distance, Float16::pick(limit_, lanes), present & ~culled);
   if (searches_[lanes[0]].counters() != nullptr) count_faces(first, present & ~near, culled);
   float distances[kWidth];

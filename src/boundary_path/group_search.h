@@ -106,6 +106,8 @@ class GroupSearch {
   void visit(Index place, Index lane);
   unsigned see_askew(const ChildSpheres& spheres, const ConeNode& cones, int child) const;
   unsigned seen_askew(const BvhNode& node, const ConeNode& cones, Index lane) const;
+  unsigned excluded_from(const LeafNode<D>& leaf, int child) const;
+  unsigned excluded_faces(const LeafNode<D>& leaf, Index lane) const;
   FaceView<D> view(const Index* faces, const Index* lanes) const;
   void look_at_faces(std::size_t first);
   void count_faces(std::size_t first, unsigned seen, unsigned culled);
@@ -123,7 +125,7 @@ class GroupSearch {
   alignas(64) float limit_[kWidth];                        ///< what a computed squared distance may be at most
   alignas(64) float sources_[2][kWidth] = {};              ///< vertices on which p lies, or none; as bits
   alignas(64) float barring_sources_[2][kWidth] = {};      ///< the same where their faces prove nothing
-  bool any_sources_ = false;
+  bool any_sources_ = false, any_barring_ = false;
   Pairs nodes_, faces_;
   Waiting waiting_[kWidth];
   Guesses guesses_;
@@ -145,7 +147,7 @@ void GroupSearch<D>::run(std::span<const PathTask<D>> tasks, PathResult<D>* resu
   unsigned present = 0;
   for (int i = 0; i < count; ++i)
     if (searches_[i].locate((inside >> i & 1) != 0)) present |= 1u << i;
-  any_sources_ = false;
+  any_sources_ = any_barring_ = false;
   for (unsigned rest = present; rest != 0; rest &= rest - 1) take_sources(lowest_lane(rest));
   // Where many guesses were bad just now, a few lanes find answers from which the others start.
   int wanted = is_cautious_ ? kVanguard : kWidth;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "boundary_path/leaf_node.h"
 #include "boundary_path/normal_cones.h"
 #include "boundary_path/path_topology.h"
 #include "selvage/boundary_path/boundary_path.h"
@@ -51,7 +52,8 @@ struct PathScene {
   const std::array<Index, D>* boundary_neighbours;
   const SimplexMesh<D>* mesh;  ///< for the stars of vertices
   std::span<const BvhNode> face_nodes;
-  const ConeNode* face_cones;  ///< per node of face_nodes
+  const ConeNode* face_cones;      ///< per node of face_nodes
+  const LeafNode<D>* face_leaves;  ///< the same
   const FaceStar<D>* face_stars;
   const std::array<float, 4>* rounded;  ///< positions in the frame: see Pose::rounded_positions()
   float rounding;                       ///< bounds the error of each rounded coordinate

@@ -40,6 +40,7 @@ class Pose {
   const Bvh& faces() const { return faces_; }
   /// On the nodes of faces().
   std::span<const ConeNode> cones() const { return cones_; }
+  std::span<const LeafNode<D>> face_leaves() const { return face_leaves_; }
 
   const PoseDefects& defects() const { return defects_; }
   /// Inverted or flat, ascending.
