@@ -56,8 +56,9 @@ extern template class ExactSegment<3>;
 unsigned exact_closest_mask(const Vec2& p, const std::array<Vec2, 2>& face);
 unsigned exact_closest_mask(const Vec3& p, const std::array<Vec3, 3>& face);
 
-/// s - p to one unit in the last place, and the barycentric coordinates of s with respect to the target's vertices. For
-/// targets that double precision cannot resolve: p close to a face, or a sliver. The target is not flat.
+/// s - p, off by less than 2^-52 of its largest coordinate, and the barycentric coordinates of s with respect to the
+/// target's vertices, each to 2^-52 of itself. For targets that double precision cannot resolve: p close to a face, or
+/// a sliver. The target is not flat.
 template <int D>
 struct PreciseOffset {
   Vec<D> offset;

@@ -29,10 +29,12 @@ SELVAGE_INLINE Vector16 cross(const Vector16& a, const Vector16& b) {
   return {{a.at[1] * b.at[2] - a.at[2] * b.at[1], a.at[2] * b.at[0] - a.at[0] * b.at[2],
            a.at[0] * b.at[1] - a.at[1] * b.at[0]}};
 }
+SELVAGE_INLINE Float16 abs(const Float16& a) {
+  return and_bits(a, Float16::broadcast(std::bit_cast<float>(std::numeric_limits<Index>::max())));
+}
 /// Sum of absolute coordinates.
 SELVAGE_INLINE Float16 sum_of_sizes(const Vector16& a) {
-  const Float16 zero = Float16::broadcast(0);
-  return max(a.at[0], zero - a.at[0]) + max(a.at[1], zero - a.at[1]) + max(a.at[2], zero - a.at[2]);
+  return abs(a.at[0]) + abs(a.at[1]) + abs(a.at[2]);
 }
 
 /// Sixteen vertices as they are stored: see Pose::rounded_positions().

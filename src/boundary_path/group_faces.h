@@ -27,6 +27,11 @@ struct ChildSpheres {
 template <int D>
 void GroupSearch<D>::collect_faces() {
   walk_down();
+  if (faces_.count == 0) return;
+  // The last is repeated.
+  faces_.reserve(kWidth);
+  std::fill_n(faces_.items.begin() + faces_.count, kWidth, faces_.items[faces_.count - 1]);
+  std::fill_n(faces_.lanes.begin() + faces_.count, kWidth, faces_.lanes[faces_.count - 1]);
   for (std::size_t pair = 0; pair < faces_.count; pair += kWidth) look_at_faces(pair);
 }
 
@@ -161,7 +166,7 @@ SELVAGE_INLINE unsigned GroupSearch<D>::see_askew(const ChildSpheres& spheres, c
     const Float16 from_middle = Float16::load(eye_[i]) - Float16::broadcast(spheres.middle[i][child]);
     along = along + from_middle * Float16::broadcast(cones.axis[i][child]);
     squared_length = squared_length + from_middle * from_middle;
-    length_bound = length_bound + max(from_middle, zero - from_middle);
+    length_bound = length_bound + abs(from_middle);
   }
   const Float16 across = sqrt(max(squared_length - along * along, zero)) * Float16::broadcast(cones.cosine[child]);
   const Float16 lift = along * Float16::broadcast(cones.sine[child]);
@@ -221,21 +226,16 @@ SELVAGE_INLINE FaceView<D> GroupSearch<D>::view(const Index* faces, const Index*
   return view;
 }
 
-/// Sixteen pairs, or what is left: then the last is repeated.
+/// Sixteen pairs, or what is left.
 template <int D>
 SELVAGE_INLINE void GroupSearch<D>::look_at_faces(std::size_t first) {
-  const int count = faces_.count - first < kWidth ? static_cast<int>(faces_.count - first) : kWidth;
-  alignas(64) Index lanes[kWidth], faces[kWidth];
-  unsigned culling = 0;
-  for (int i = 0; i < kWidth; ++i) {
-    const std::size_t pair = first + static_cast<std::size_t>(i < count ? i : count - 1), ahead = pair + kWidth;
-    faces[i] = faces_.items[pair];
-    lanes[i] = faces_.lanes[pair];
-    culling |= (culling_ >> lanes[i] & 1u) << i;
-    prefetch(scene_.face_stars + faces_.items[ahead < faces_.count ? ahead : pair]);
-  }
+  const std::size_t left = faces_.count - first, ahead = left > 2 * kWidth ? first + kWidth : first;
+  const Index *const faces = faces_.items.data() + first, *const lanes = faces_.lanes.data() + first;
+  for (int i = 0; i < kWidth; ++i) prefetch(scene_.face_stars + faces_.items[ahead + i]);
   const FaceFindings<D> found = look_at(view(faces, lanes));
-  const unsigned present = 0xffffu >> (kWidth - count), culled = found.culled() & culling & present;
+  const unsigned present = left < kWidth ? 0xffffu >> (kWidth - left) : 0xffffu;
+  const unsigned culling = sign_bits(Float16::pick(culling_signs_, lanes));
+  const unsigned culled = found.culled() & culling & present;
   const unsigned near = less_equal(found.squared_distance, Float16::pick(limit_, lanes), present & ~culled);
   if (searches_[lanes[0]].counters() != nullptr) count_faces(first, present & ~near, culled);
   float distances[kWidth];

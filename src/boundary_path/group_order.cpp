@@ -67,26 +67,27 @@ struct CurvePlace {
   Index number;
 };
 
-/// Digit by digit, the last first; few items are parted well enough by the leading half of the bits. Stable: items at
-/// one place stay in their order, for any number of threads.
+/// Digit by digit, the last first. Stable: items at one place stay in their order, for any number of threads. Few items
+/// are parted well enough by the leading half of the bits, and have fewer digits to count.
 void sort_along_curve(std::vector<CurvePlace>& items) {
-  constexpr int kDigit = 10, kDigits = 1 << kDigit;
   constexpr std::int64_t kChunk = 1 << 15, kFew = 4096;
   const std::int64_t count = std::ssize(items), chunks = (count + kChunk - 1) / kChunk;
+  const int digit_bits = count < kFew ? 6 : 10, digits = 1 << digit_bits;
   std::vector<CurvePlace> sorted(items.size());
-  std::vector<std::array<Index, kDigits>> places(chunks);  ///< where each chunk's items with a digit go
+  std::vector<Index> places(chunks * digits);  ///< where each chunk's items with a digit go
   const auto visit = [&](std::int64_t chunk, int shift, auto&& take) {
     for (std::int64_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, count); ++i)
-      take(items[i], places[chunk][items[i].along >> shift & (kDigits - 1)]);
+      take(items[i], places[chunk * digits + static_cast<std::int64_t>(items[i].along >> shift & (digits - 1u))]);
   };
-  for (int shift = count < kFew ? kBits * kAxes / 2 : 0; shift < kBits * kAxes; shift += kDigit) {
+  for (int shift = count < kFew ? kBits * kAxes / 2 : 0; shift < kBits * kAxes; shift += digit_bits) {
     parallel_for(chunks, 1, [&](std::int64_t chunk) {
-      places[chunk].fill(0);
+      std::fill_n(places.begin() + chunk * digits, digits, 0);
       visit(chunk, shift, [](const CurvePlace&, Index& number) { ++number; });
     });
     Index before = 0;
-    for (int digit = 0; digit < kDigits; ++digit)
-      for (auto& chunk : places) before += std::exchange(chunk[digit], before);
+    for (int digit = 0; digit < digits; ++digit)
+      for (std::int64_t chunk = 0; chunk < chunks; ++chunk)
+        before += std::exchange(places[chunk * digits + digit], before);
     parallel_for(chunks, 1, [&](std::int64_t chunk) {
       visit(chunk, shift, [&](const CurvePlace& item, Index& place) { sorted[place++] = item; });
     });

@@ -120,6 +120,7 @@ class GroupSearch {
   std::conditional_t<D == 3, WalkBundle, NoBundle> bundle_;
   unsigned present_ = 0;                                   ///< lanes that look for something
   unsigned culling_ = 0;                                   ///< lanes that may pass over faces because of a neighbour
+  alignas(64) float culling_signs_[kWidth] = {};           ///< the same, as signs
   alignas(64) float eye_[3][kWidth] = {};                  ///< points in the frame, to the nearest float
   alignas(64) float lower_[3][kWidth], upper_[3][kWidth];  ///< boxes around them
   alignas(64) float limit_[kWidth];                        ///< what a computed squared distance may be at most
@@ -243,7 +244,9 @@ template <int D>
 void GroupSearch<D>::take_bound(int lane) {
   limit_[lane] = traversal::widen_bound(round_up(searches_[lane].squared_bound()));
   const unsigned bit = 1u << lane;
-  culling_ = searches_[lane].may_cull() ? culling_ | bit : culling_ & ~bit;
+  const bool may_cull = searches_[lane].may_cull();
+  culling_ = may_cull ? culling_ | bit : culling_ & ~bit;
+  culling_signs_[lane] = may_cull ? -0.0f : 0.0f;
 }
 
 /// The nearest face that waits, or kNone when none is near enough any more.

@@ -89,5 +89,61 @@ TEST(ExactSegment, FlatFacesBesideTheLineAreNotMet) {
   EXPECT_FALSE(along_x.touches_within_reach({Vec3(-1.5, 0, 0), Vec3(-4, 1, 0), Vec3(-5, 0, 0)}));
 }
 
+/// s - p and the weights of s, for the foot of the perpendicular from p on a triangle's plane or an edge's line.
+struct RationalOffset {
+  oracle::RationalVec<3> offset;
+  std::array<oracle::Rational, 3> weights;
+};
+RationalOffset project(const Vec3& p, const TargetSimplex<3>& target) {
+  using oracle::operator-;
+  std::array<oracle::RationalVec<3>, 3> v;
+  for (int i = 0; i < target.count; ++i)
+    for (int k = 0; k < 3; ++k) v[i][k] = oracle::Rational(target.vertices[i][k]) - oracle::Rational(p[k]);
+  const auto e = v[1] - v[0];
+  RationalOffset result;
+  if (target.count == 2) {
+    result.weights[1] = -oracle::dot(v[0], e) / oracle::dot(e, e);
+    result.weights[0] = 1 - result.weights[1];
+    for (int k = 0; k < 3; ++k) result.offset[k] = v[0][k] + result.weights[1] * e[k];
+    return result;
+  }
+  const auto n = oracle::cross(e, v[2] - v[0]);
+  const oracle::Rational squared = oracle::dot(n, n), height = oracle::dot(n, v[0]);
+  for (int k = 0; k < 3; ++k) {
+    result.offset[k] = n[k] * height / squared;
+    result.weights[k] = oracle::dot(oracle::cross(v[(k + 1) % 3], v[(k + 2) % 3]), n) / squared;
+  }
+  return result;
+}
+
+// p from far away to as close as a rounding, on slivers and on tiny and huge triangles: most by doubles twice as long,
+// the rest by integers.
+TEST(PreciseOffset, IsThatOfRationals) {
+  test::Random random(test::seed(7));
+  const std::int64_t count = test::scaled(4000);
+  for (std::int64_t i = 0; i < count; ++i) {
+    const double scale = std::ldexp(1.0, random.below(10) == 0 ? random.below(240) - 120 : 0);
+    TargetSimplex<3> target;
+    target.count = 2 + random.below(2);
+    for (Vec3& x : target.vertices) x = scale * random.vector(1);
+    if (random.below(4) == 0)
+      target.vertices[1] = target.vertices[0] + std::pow(10.0, -random.within(0, 18)) * scale * random.vector(1);
+    const double t = random.unit(), u = target.count == 3 ? (1 - t) * random.unit() : 0;
+    const Vec3 foot = (1 - t - u) * target.vertices[0] + t * target.vertices[1] + u * target.vertices[2];
+    const Vec3 p = foot + std::pow(10.0, 2 - random.within(0, 20)) * scale * random.vector(1);
+    if (target.vertices[0] == target.vertices[1]) continue;
+    const RationalOffset exact = project(p, target);
+    const PreciseOffset<3> precise = precise_offset(p, target);
+    oracle::Rational largest = 0;
+    for (const auto& x : exact.offset) largest = std::max(largest, oracle::Rational(abs(x)));
+    for (int k = 0; k < 3; ++k)
+      ASSERT_LE(abs(oracle::Rational(precise.offset[k]) - exact.offset[k]), oracle::Rational(0x1p-52) * largest) << i;
+    for (int k = 0; k < target.count; ++k)
+      ASSERT_LE(abs(oracle::Rational(precise.barycentric[k]) - exact.weights[k]),
+                oracle::Rational(0x1p-52) * abs(exact.weights[k]))
+          << i;
+  }
+}
+
 }  // namespace
 }  // namespace selvage
