@@ -9,7 +9,7 @@ namespace selvage {
 
 namespace {
 
-constexpr Index kParallelSize = 1 << 15;  ///< ranges larger than this are split in parallel
+constexpr Index kParallelSize = 1 << 17;  ///< ranges larger than this are split in parallel
 constexpr Index kChunk = 1 << 13;
 constexpr Index kSampled = 1 << 10;  ///< primitives of a larger range that tell where to split it: as good as all
 constexpr float kHuge = std::numeric_limits<float>::max() / 8;  ///< sums and differences of a few stay finite

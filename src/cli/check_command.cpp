@@ -4,12 +4,14 @@
 #include "cli/memory.h"
 #include "cli/output.h"
 #include "selvage/core/error.h"
+#include "selvage/core/parallel.h"
 #include "selvage/mesh/simplex_mesh.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <exception>
 #include <memory>
 
 namespace selvage::cli {
@@ -38,15 +40,28 @@ constexpr const char* kCheckExample =
     "`free_step` is the largest fraction of the step without collisions.";
 
 /// The triangles that are checked: a surface's own, or the boundary of a tetrahedral mesh.
-std::vector<VertexTuple<3>> surface_of(const MeshFile& file) {
-  if (file.tetrahedra.empty()) return file.triangles;
-  const TetMesh mesh(static_cast<Index>(file.positions.size()), file.tetrahedra);
-  return {mesh.boundary_faces().begin(), mesh.boundary_faces().end()};
+TriangleMesh surface_of(MeshFile& file) {
+  const auto vertex_count = static_cast<Index>(file.positions.size());
+  if (file.tetrahedra.empty()) return {vertex_count, std::move(file.triangles)};
+  const TetMesh mesh(vertex_count, std::move(file.tetrahedra));
+  return {vertex_count, {mesh.boundary_faces().begin(), mesh.boundary_faces().end()}};
 }
 
-/// The positions at the end of the step: of a mesh that is the same but for them.
-std::vector<Vec3> read_end(const CheckOptions& options, const MeshFile& start) {
-  MeshFile end = read_mesh(options.end_mesh);
+/// Reads the mesh, and with `--to` beside it the positions at the end of the step: of a mesh that is the same but for
+/// them.
+std::pair<MeshFile, std::vector<Vec3>> read_poses(const CheckOptions& options) {
+  MeshFile start, end;
+  if (options.end_mesh.empty()) return {read_mesh(options.mesh), {}};
+  std::exception_ptr wrong_with_end;  // said only where nothing is wrong with the start
+  parallel_invoke([&] { start = read_mesh(options.mesh); },
+                  [&] {
+                    try {
+                      end = read_mesh(options.end_mesh);
+                    } catch (...) {
+                      wrong_with_end = std::current_exception();
+                    }
+                  });
+  if (wrong_with_end) std::rethrow_exception(wrong_with_end);
   if (end.positions.size() != start.positions.size())
     throw Error(
         options.end_mesh,
@@ -55,7 +70,7 @@ std::vector<Vec3> read_end(const CheckOptions& options, const MeshFile& start) {
   if (end.triangles != start.triangles || end.tetrahedra != start.tetrahedra)
     throw Error(options.end_mesh, fmt::format("has other elements than {}", options.mesh),
                 "give two poses of one mesh");
-  return std::move(end.positions);
+  return {std::move(start), std::move(end.positions)};
 }
 
 /// Shows how far each phase of a check has come.
@@ -78,7 +93,7 @@ class CheckProgress {
   double from_ = 0, to_ = 0;
 };
 
-CollisionReport find_collisions(const CheckOptions& options, const MeshFile& file, std::span<const Vec3> end,
+CollisionReport find_collisions(const CheckOptions& options, MeshFile file, std::span<const Vec3> end,
                                 Stopwatch& watch) {
   CollisionReport report;
   report.mesh = options.mesh;
@@ -86,10 +101,8 @@ CollisionReport find_collisions(const CheckOptions& options, const MeshFile& fil
   report.method = options.method;
   report.has_segments = options.segments;
   report.solid = !file.tetrahedra.empty();
-  report.positions = file.positions;
-  report.triangles = surface_of(file);
-  const TriangleMesh mesh(static_cast<Index>(file.positions.size()), report.triangles);
-  report.edges.assign(mesh.edges().begin(), mesh.edges().end());
+  report.surface = surface_of(file);
+  report.positions = std::move(file.positions);
   watch.lap("topology");
   SelfCollisionOptions asked;
   asked.method = culling_method(options.method);
@@ -97,7 +110,7 @@ CollisionReport find_collisions(const CheckOptions& options, const MeshFile& fil
   CheckProgress progress(options.common.quiet);
   asked.on_progress = [&](double share) { progress.show(share); };
   if (options.end_mesh.empty()) {
-    const SelfCollisionFinder finder(mesh, file.positions, std::move(asked));
+    const SelfCollisionFinder finder(report.surface, report.positions, std::move(asked));
     watch.lap("hierarchy");
     progress.begin("looking for pairs", 0.3, options.segments ? 0.8 : 1);
     report.pairs = finder.find_pairs(&report.counters);
@@ -109,7 +122,7 @@ CollisionReport find_collisions(const CheckOptions& options, const MeshFile& fil
     }
     return report;
   }
-  const ContinuousCollisionFinder finder(mesh, file.positions, end, std::move(asked));
+  const ContinuousCollisionFinder finder(report.surface, report.positions, end, std::move(asked));
   watch.lap("hierarchy");
   progress.begin("looking for pairs", 0.2, 0.8);
   report.moving_pairs = finder.find_pairs(&report.moving_counters);
@@ -136,10 +149,9 @@ int run_check(const CheckOptions& options) {
     throw Error("--segments", "says nothing about a step", "leave it out, or --to");
   if (!options.vtu.empty() && std::filesystem::path(options.vtu).extension() != ".vtu")
     throw Error(options.vtu, "--vtu writes .vtu files only", "give it that extension");
-  const MeshFile file = read_mesh(options.mesh);
-  const std::vector<Vec3> end = options.end_mesh.empty() ? std::vector<Vec3>() : read_end(options, file);
+  auto [file, end] = read_poses(options);
   watch.lap("read");
-  const CollisionReport report = find_collisions(options, file, end, watch);
+  const CollisionReport report = find_collisions(options, std::move(file), end, watch);
   if (!options.common.json.empty()) outputs.write_text(options.common.json, print_json(report, watch));
   if (!options.vtu.empty())
     outputs.write_file(options.vtu, [&](const auto& path) { write_vtu(path, mark_collisions(report)); });

@@ -44,7 +44,7 @@ void visit_pairs(const CollisionReport& report, Visit&& visit, VisitVertex&& vis
   }
   for (const EdgeEdgePair& pair : report.moving_pairs.edge_edge)
     for (const Index e : {pair.first, pair.second})
-      for (const Index v : report.edges[e]) visit_vertex(v);
+      for (const Index v : report.surface.edges()[e]) visit_vertex(v);
 }
 
 /// In how many pairs each triangle is, and each vertex by itself or in an edge.
@@ -52,7 +52,7 @@ struct PairCounts {
   std::vector<std::int64_t> of_triangles, of_vertices;
 
   explicit PairCounts(const CollisionReport& report)
-      : of_triangles(report.triangles.size(), 0), of_vertices(report.positions.size(), 0) {
+      : of_triangles(report.surface.triangles().size(), 0), of_vertices(report.positions.size(), 0) {
     visit_pairs(
         report, [&](Index t) { ++of_triangles[t]; }, [&](Index v) { ++of_vertices[v]; });
   }
@@ -68,7 +68,7 @@ std::pair<Vec3, Vec3> place_of(const CollisionReport& report) {
   visit_pairs(
       report,
       [&](Index t) {
-        for (const Index v : report.triangles[t]) add(v);
+        for (const Index v : report.surface.triangles()[t]) add(v);
       },
       add);
   return {lower, upper};
@@ -95,15 +95,19 @@ std::string print_kinds(const CollisionReport& report) {
 }
 
 Json statistics_json(const CollisionReport& report, const SelfCollisionCounters& c) {
-  return {{"triangles", report.triangles.size()}, {"pairs", report.pairs.size()},
-          {"node_pairs", c.node_pairs},           {"box_pairs", c.box_pairs},
-          {"adjacent_pairs", c.adjacent_pairs},   {"tested_nodes", c.tested_nodes},
-          {"cleared_nodes", c.cleared_nodes},     {"cleared_triangles", c.cleared_triangles},
+  return {{"triangles", report.surface.triangles().size()},
+          {"pairs", report.pairs.size()},
+          {"node_pairs", c.node_pairs},
+          {"box_pairs", c.box_pairs},
+          {"adjacent_pairs", c.adjacent_pairs},
+          {"tested_nodes", c.tested_nodes},
+          {"cleared_nodes", c.cleared_nodes},
+          {"cleared_triangles", c.cleared_triangles},
           {"exact_tests", c.exact_tests}};
 }
 
 Json statistics_json(const CollisionReport& report, const ContinuousCounters& c) {
-  return {{"triangles", report.triangles.size()},
+  return {{"triangles", report.surface.triangles().size()},
           {"vertex_face", report.moving_pairs.vertex_face.size()},
           {"edge_edge", report.moving_pairs.edge_edge.size()},
           {"node_pairs", c.node_pairs},
@@ -144,7 +148,7 @@ std::string print_moving_pairs(const CollisionReport& report) {
              pairs.vertex_face,
              [](auto out, const VertexFacePair& pair) { fmt::format_to(out, "[{},{}]", pair.vertex, pair.face); }) +
          ",\n \"edge_edge\": " + print_list(pairs.edge_edge, [&](auto out, const EdgeEdgePair& pair) {
-           const auto &a = report.edges[pair.first], &b = report.edges[pair.second];
+           const auto &a = report.surface.edges()[pair.first], &b = report.surface.edges()[pair.second];
            fmt::format_to(out, "[{},{},{},{}]", a[0], a[1], b[0], b[1]);
          });
 }
@@ -165,7 +169,7 @@ std::string print_json(const CollisionReport& report, const Stopwatch& watch) {
   std::string text = head.dump(1);
   text.resize(text.rfind('\n'));
   if (report.solid)
-    text += ",\n \"triangles\": " + print_list(report.triangles, [](auto out, const VertexTuple<3>& t) {
+    text += ",\n \"triangles\": " + print_list(report.surface.triangles(), [](auto out, const VertexTuple<3>& t) {
               fmt::format_to(out, "[{},{},{}]", t[0], t[1], t[2]);
             });
   text += moves ? print_moving_pairs(report) : print_triangle_pairs(report);
@@ -176,7 +180,7 @@ std::string print_json(const CollisionReport& report, const Stopwatch& watch) {
 VtkGrid mark_collisions(const CollisionReport& report) {
   VtkGrid grid;
   grid.points = report.positions;
-  grid.triangles = report.triangles;
+  grid.triangles.assign(report.surface.triangles().begin(), report.surface.triangles().end());
   const PairCounts counts(report);
   grid.cell_fields.push_back({"collisions", 1, {counts.of_triangles.begin(), counts.of_triangles.end()}});
   if (!report.end_mesh.empty())
@@ -186,7 +190,7 @@ VtkGrid mark_collisions(const CollisionReport& report) {
 
 void print_summary(const CollisionReport& report, const Stopwatch& watch) {
   Table table;
-  table.add("mesh", fmt::format("{}, {} {}", report.mesh, grouped(std::ssize(report.triangles)),
+  table.add("mesh", fmt::format("{}, {} {}", report.mesh, grouped(report.surface.triangle_count()),
                                 report.solid ? "boundary triangles" : "triangles"));
   if (!report.end_mesh.empty()) table.add("to", report.end_mesh);
   table.add("colliding pairs",

@@ -13,8 +13,7 @@ struct CollisionReport {
   std::string mesh, end_mesh, method;  ///< end_mesh is empty for one pose
   bool solid = false;                  ///< the surface is the boundary of a tetrahedral mesh
   std::vector<Vec3> positions;         ///< at the start
-  std::vector<VertexTuple<3>> triangles;
-  std::vector<VertexTuple<2>> edges;
+  TriangleMesh surface;
 
   std::vector<TrianglePair> pairs;  ///< in one pose
   bool has_segments = false;

@@ -57,6 +57,8 @@ class Cursor {
     swap_ = order != std::endian::native;
   }
   bool is_binary() const { return binary_; }
+  /// Whether binary numbers are those of this machine.
+  bool is_native() const { return binary_ && !swap_; }
 
   std::size_t position() const { return static_cast<std::size_t>(at_ - begin_); }
   std::size_t last_position() const { return static_cast<std::size_t>(last_ - begin_); }
@@ -118,6 +120,9 @@ class Cursor {
     at_ += size;
     return {last_, size};
   }
+
+  /// All that follows, not consumed.
+  std::string_view rest() const { return {at_, remaining()}; }
 
   /// One binary number.
   template <typename T>

@@ -168,7 +168,7 @@ class PlyReader {
       axes[at] = d;
     }
     mesh_.positions.reserve(static_cast<std::size_t>(element.count));
-    for (std::int64_t i = 0; i < element.count; ++i) {
+    for (std::int64_t i = read_plain_vertices(element, axes); i < element.count; ++i) {
       begin_element(element);
       Vec3 point;
       for (std::size_t p = 0; p < axes.size(); ++p) {
@@ -184,6 +184,61 @@ class PlyReader {
     }
   }
 
+  /// Reads vertices that are rows of equal length, until one is not as it should be. Returns how many.
+  std::int64_t read_plain_vertices(const Element& element, std::span<const int> axes) {
+    std::size_t row = 0, offsets[3] = {};
+    std::optional<Scalar> type;
+    for (std::size_t p = 0; p < axes.size(); ++p) {
+      const Property& property = element.properties[p];
+      if (property.list_count || (axes[p] >= 0 && type.value_or(property.type) != property.type)) return 0;
+      if (axes[p] >= 0) {
+        type = property.type;
+        offsets[axes[p]] = row;
+      }
+      row += size_of(property.type);
+    }
+    if (!cursor_.is_native() || cursor_.rest().size() / row < static_cast<std::size_t>(element.count)) return 0;
+    if (type == Scalar::kDouble) return read_rows<double>(element.count, row, offsets);
+    return type == Scalar::kFloat ? read_rows<float>(element.count, row, offsets) : 0;
+  }
+
+  template <typename T>
+  std::int64_t read_rows(std::int64_t count, std::size_t row, const std::size_t (&offsets)[3]) {
+    const char* const rows = cursor_.rest().data();
+    std::int64_t done = 0;
+    for (; done < count; ++done) {
+      T x[3];
+      for (int d = 0; d < 3; ++d)
+        std::memcpy(x + d, rows + static_cast<std::size_t>(done) * row + offsets[d], sizeof(T));
+      const Vec3 point(x[0], x[1], x[2]);
+      if (!point.allFinite()) break;
+      mesh_.positions.push_back(point);
+    }
+    cursor_.bytes(static_cast<std::size_t>(done) * row, "vertices");
+    return done;
+  }
+
+  /// Reads faces that are three 32-bit numbers behind a byte, until one is something else. Returns how many.
+  std::int64_t read_plain_triangles(const Element& element) {
+    const Property& list = element.properties[0];
+    if (element.properties.size() != 1 || list.list_count != Scalar::kUint8 || !cursor_.is_native()) return 0;
+    if (list.type != Scalar::kInt32 && list.type != Scalar::kUint32) return 0;
+    constexpr std::size_t kRow = 1 + 3 * sizeof(Index);
+    const std::string_view rest = cursor_.rest();
+    const auto vertex_count = static_cast<std::uint64_t>(numbers_.count());
+    std::int64_t done = 0;
+    for (; done < element.count && (static_cast<std::size_t>(done) + 1) * kRow <= rest.size(); ++done) {
+      const char* const row = rest.data() + static_cast<std::size_t>(done) * kRow;
+      std::uint32_t v[3];
+      std::memcpy(v, row + 1, sizeof(v));
+      if (row[0] != 3 || v[0] >= vertex_count || v[1] >= vertex_count || v[2] >= vertex_count) break;
+      if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) break;
+      mesh_.triangles.push_back({static_cast<Index>(v[0]), static_cast<Index>(v[1]), static_cast<Index>(v[2])});
+    }
+    cursor_.bytes(static_cast<std::size_t>(done) * kRow, "faces");
+    return done;
+  }
+
   void read_faces(const Element& element) {
     int list = element.property("vertex_indices");
     if (list < 0) list = element.property("vertex_index");
@@ -193,7 +248,7 @@ class PlyReader {
     ElementCollector collector(cursor_, mesh_, numbers_);
     std::vector<Index> polygon;
     mesh_.triangles.reserve(static_cast<std::size_t>(element.count));
-    for (std::int64_t i = 0; i < element.count; ++i) {
+    for (std::int64_t i = read_plain_triangles(element); i < element.count; ++i) {
       begin_element(element);
       for (int p = 0; p < std::ssize(element.properties); ++p) {
         const Property& property = element.properties[p];

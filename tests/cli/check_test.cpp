@@ -135,6 +135,8 @@ TEST_F(CheckTest, StepBetweenTwoPoses) {
   write_text(file("fewer.off"), "OFF\n3 1 0\n0 0 0\n4 0 0\n0 4 0\n3 0 1 2\n");
   expect_refused("check start.off --to fewer.off", 2, {"fewer.off", "3 vertices"});
   expect_refused("check start.off --to end.off --adjacent", 2, {"--adjacent"});
+  expect_refused("check nowhere.off --to neither.off", 2, {"nowhere.off"});
+  expect_refused("check start.off --to neither.off", 2, {"neither.off"});
   EXPECT_EQ(check("start.off --to end.off --method normal-cone", 1)["vertex_face"].size(), 3u);
 }
 

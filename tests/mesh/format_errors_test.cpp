@@ -26,6 +26,11 @@ const std::string kPly =
 const std::string kPlyBinary =
     "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
     "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+/// With one good face, and the length of another.
+const std::string kPlyBinary2 =
+    "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+    "property float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n" +
+    packed<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}) + "\3" + packed<std::int32_t>({0, 1, 2}) + "\3";
 const std::string kGmsh = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$EndNodes\n";
 const std::string kMedit = "MeshVersionFormatted 2\nDimension 3\nVertices\n3\n0 0 0 0\n1 0 0 0\n0 1 0 0\n";
 const std::string kVtk =
@@ -91,6 +96,10 @@ TEST(FormatErrors, Ply) {
        "sample: byte 158: 3 elements 'vertex' are announced, but only 28 bytes follow"},
       {".ply", kPlyBinary + packed<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}) + "\3\1\1",
        "sample: byte 205: 3 list entries are announced"},
+      {".ply", kPlyBinary2 + packed<std::int32_t>({0, 1, -1}), "sample: byte 227: an element uses vertex -1"},
+      {".ply", kPlyBinary2 + packed<std::int32_t>({1, 2, 1}),
+       "sample: byte 227: a triangle uses one vertex twice (vertex 1 from 0)"},
+      {".ply", kPlyBinary2 + packed<std::int32_t>({1, 2}), "sample: byte 218: 3 list entries are announced"},
   });
 }
 

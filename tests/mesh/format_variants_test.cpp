@@ -170,6 +170,40 @@ TEST(Variants, VtkVersion5Binary) {
   expect_same_mesh(parse(".vtk", file), mesh, "vtk 5.1 binary");
 }
 
+TEST(Variants, PlyRowsOfBothByteOrdersWithOtherPropertiesAndPolygons) {
+  MeshFile mesh = random_mesh(17, 30, 40, 0);
+  for (int i = 0; i < 30; ++i) mesh.positions[i] = Vec3(i, -0.5 * i, 1e30f * static_cast<float>(i));
+  for (const std::endian order : kOrders)
+    for (const bool is_float : {false, true})
+      for (const std::size_t quad : {0u, 7u, 1000u}) {  // which face is a polygon, if any
+        const std::string type = is_float ? "float" : "double";
+        std::string file = fmt::format(
+            "ply\nformat binary_{}_endian 1.0\nelement vertex 30\nproperty uchar a\nproperty {} z\nproperty {} x\n"
+            "property short b\nproperty {} y\nelement face {}\nproperty list uchar {} vertex_indices\nend_header\n",
+            order == std::endian::big ? "big" : "little", type, type, type, mesh.triangles.size() - (quad < 40),
+            is_float ? "uint" : "int");
+        for (const Vec3& p : mesh.positions) {
+          const auto number = [&](double x) {
+            return is_float ? packed<float>({static_cast<float>(x)}, order) : packed<double>({x}, order);
+          };
+          file += "a" + number(p[2]) + number(p[0]) + "bb" + number(p[1]);
+        }
+        for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+          const auto& [a, b, c] = mesh.triangles[i];
+          if (i == quad + 1) continue;  // the other half of the polygon
+          if (i == quad) {
+            Index d = 0;
+            while (d == a || d == b || d == c) ++d;
+            mesh.triangles[i + 1] = {a, c, d};
+            file += "\4" + packed<std::int32_t>({a, b, c, d}, order);
+          } else {
+            file += "\3" + packed<std::int32_t>({a, b, c}, order);
+          }
+        }
+        expect_same_mesh(parse(".ply", file), mesh, "binary ply");
+      }
+}
+
 TEST(Variants, TextWithWindowsLineEnds) {
   const MeshFile surface = random_mesh(15, 12, 9, 0), solid = random_mesh(16, 12, 0, 9);
   const auto with_returns = [](const std::string& text) {
