@@ -13,29 +13,42 @@ namespace {
 
 constexpr Index kVerticesPerChunk = 2048;
 
-/// One triangle's side of an edge, seen from the edge's smaller vertex.
-struct Spoke {
-  Index other;  ///< the edge's larger vertex
-  Index triangle;
-  int opposite;  ///< number of the triangle's vertex that is not on the edge
+/// One triangle's side of an edge, seen from the edge's smaller vertex: in one number, which sorts edge by edge and
+/// ascending by triangle within an edge.
+class Spoke {
+ public:
+  /// @param other     the edge's larger vertex
+  /// @param opposite  number of the triangle's vertex that is not on the edge
+  Spoke(Index other, Index triangle, int opposite)
+      : code_(static_cast<std::uint64_t>(other) << 32 | static_cast<std::uint32_t>(triangle) << 2 |
+              static_cast<std::uint32_t>(opposite)) {}
 
-  std::uint64_t order() const { return static_cast<std::uint64_t>(other) << 32 | static_cast<std::uint32_t>(triangle); }
+  Index other() const { return static_cast<Index>(code_ >> 32); }
+  Index triangle() const { return static_cast<Index>(static_cast<std::uint32_t>(code_) >> 2); }
+  int opposite() const { return static_cast<int>(code_ & 3); }
+
+  friend auto operator<=>(const Spoke&, const Spoke&) = default;
+
+ private:
+  std::uint64_t code_;  // check_tuples() leaves 29 bits to a triangle
 };
 
-/// Adds the spokes of all edges whose smaller vertex is v, edge by edge and ascending by triangle within an edge.
+/// Adds the spokes of all edges whose smaller vertex is v, sorted.
 void gather_spokes(const TriangleMesh& mesh, Index v, std::vector<Spoke>& spokes) {
   const auto first = std::ssize(spokes);
-  for (const Index t : mesh.vertex_triangles(v))
-    for (int i = 0; i < 3; ++i) {
-      const auto [low, high] = std::minmax(mesh.triangles()[t][(i + 1) % 3], mesh.triangles()[t][(i + 2) % 3]);
-      if (low == v) spokes.push_back({high, t, i});
-    }
-  std::sort(spokes.begin() + first, spokes.end(), [](const Spoke& a, const Spoke& b) { return a.order() < b.order(); });
+  for (const Index t : mesh.vertex_triangles(v)) {
+    const auto& vertices = mesh.triangles()[t];
+    const int place = vertices[0] == v ? 0 : vertices[1] == v ? 1 : 2;
+    const int next = place == 2 ? 0 : place + 1, last = place == 0 ? 2 : place - 1;
+    if (vertices[next] > v) spokes.emplace_back(vertices[next], t, last);
+    if (vertices[last] > v) spokes.emplace_back(vertices[last], t, next);
+  }
+  std::sort(spokes.begin() + first, spokes.end());
 }
 
 Index count_edges(std::span<const Spoke> spokes) {
   Index count = 0;
-  for (std::size_t i = 0; i < spokes.size(); ++i) count += i == 0 || spokes[i].other != spokes[i - 1].other;
+  for (std::size_t i = 0; i < spokes.size(); ++i) count += i == 0 || spokes[i].other() != spokes[i - 1].other();
   return count;
 }
 
@@ -55,6 +68,9 @@ TriangleMesh::TriangleMesh(Index vertex_count, std::vector<Triangle> triangles)
   std::vector<std::vector<Spoke>> spokes(chunks);
   std::vector<Index> first_edge(static_cast<std::size_t>(vertex_count_) + 1, 0), first_spoke = first_edge;
   parallel_for(chunks, 1, [&](std::int64_t chunk) {
+    const auto begin = chunk * kVerticesPerChunk;
+    spokes[chunk].reserve(vertex_triangle_first_[std::min<std::int64_t>(begin + kVerticesPerChunk, vertex_count_)] -
+                          vertex_triangle_first_[begin]);  // about as many: each triangle has three of both
     visit_vertices(chunk, [&](Index v) {
       const std::size_t before = spokes[chunk].size();
       gather_spokes(*this, v, spokes[chunk]);
@@ -76,13 +92,13 @@ TriangleMesh::TriangleMesh(Index vertex_count, std::vector<Triangle> triangles)
     visit_vertices(chunk, [&](Index v) {
       Index edge = first_edge[v] - 1, other = kNone;
       for (Index place = first_spoke[v]; place < first_spoke[v + 1]; ++place, ++spoke) {
-        if (spoke->other != other) {
-          other = spoke->other;
+        if (spoke->other() != other) {
+          other = spoke->other();
           edges_[++edge] = {v, other};
           edge_triangle_first_[edge] = place;
         }
-        edge_triangle_[place] = spoke->triangle;
-        triangle_edges_[spoke->triangle][spoke->opposite] = edge;
+        edge_triangle_[place] = spoke->triangle();
+        triangle_edges_[spoke->triangle()][spoke->opposite()] = edge;
       }
     });
   });

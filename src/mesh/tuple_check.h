@@ -34,9 +34,11 @@ class FirstOffender {
 };
 
 template <int N>
-bool repeats_a_vertex(VertexTuple<N> tuple) {
-  std::sort(tuple.begin(), tuple.end());
-  return std::adjacent_find(tuple.begin(), tuple.end()) != tuple.end();
+bool repeats_a_vertex(const VertexTuple<N>& tuple) {
+  bool repeats = false;
+  for (int i = 0; i < N; ++i)
+    for (int k = 0; k < i; ++k) repeats |= tuple[i] == tuple[k];
+  return repeats;
 }
 
 /// The door of a mesh: there is a tuple, and each has distinct vertices in [0, vertex_count).
