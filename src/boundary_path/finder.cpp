@@ -256,10 +256,10 @@ std::vector<BoundaryPath<D>> BoundaryPathFinder<D>::find_paths(std::span<const P
   // Few queries in small batches, so that there is one for each core.
   constexpr std::int64_t kMostGroups = 8, kBatches = 16;
   const std::int64_t groups = (std::ssize(order) + kPointGroup - 1) / kPointGroup;
-  const std::int64_t at_once = kPointGroup * std::clamp<std::int64_t>(groups / kBatches, 1, kMostGroups);
-  parallel_for((std::ssize(order) + at_once - 1) / at_once, 1, [&](std::int64_t k) {
-    const auto share = std::span(order).subspan(k * at_once);
-    const auto n = std::min<std::size_t>(share.size(), at_once);
+  const std::int64_t batch_size = kPointGroup * std::clamp<std::int64_t>(groups / kBatches, 1, kMostGroups);
+  parallel_ranges((std::ssize(order) + batch_size - 1) / batch_size, 1, [&](std::int64_t first, std::int64_t last) {
+    const auto share = std::span(order).subspan(first * batch_size);
+    const auto n = std::min<std::size_t>(share.size(), (last - first) * batch_size);
     std::vector<PathTask<D>> tasks(n);
     std::vector<PathResult<D>> results(n);
     std::vector<PathCounters> counts(counters.empty() ? 0 : n);
@@ -268,7 +268,7 @@ std::vector<BoundaryPath<D>> BoundaryPathFinder<D>::find_paths(std::span<const P
       tasks[i].query.point = state_->to_scene(tasks[i].query.point);
       tasks[i].warm_start = warm_start.empty() ? kNone : warm_start[share[i]];
     }
-    SELVAGE_DISPATCH(search_paths, scene, std::span<const PathTask<D>>(tasks), results.data(),
+    SELVAGE_DISPATCH(search_paths, scene, std::span<const PathTask<D>>(tasks), batch_size, results.data(),
                      counters.empty() ? nullptr : counts.data());
     for (std::size_t i = 0; i < n; ++i) {
       paths[share[i]] = state_->describe(tasks[i], results[i]);

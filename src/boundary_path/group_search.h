@@ -30,6 +30,12 @@ class GroupSearch {
  public:
   explicit GroupSearch(const PathScene<D>& scene) : scene_(scene), bundle_(scene), nodes_(kRoom), faces_(kRoom) {}
 
+  /// Forgets what groups before have found.
+  void forget() {
+    latest_.count = 0;
+    is_cautious_ = false;
+  }
+
   /// One result a task and, unless the pointer is null, one set of counters a task.
   void run(std::span<const PathTask<D>> tasks, PathResult<D>* results, PathCounters* counters);
 
