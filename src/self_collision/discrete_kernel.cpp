@@ -154,20 +154,17 @@ class Search {
     const BvhNode &a = scene_.a.nodes[pair.a], &b = scene_.a.nodes[pair.b];
     std::uint64_t strangers = traversal::meeting_children(a, b) & ~listed.neighbours;
     if (pair.a == pair.b) strangers &= traversal::kAboveDiagonal;
-    if (a.children[0] >= 0 && b.children[0] >= 0) {
-      take({pair.a, pair.b, strangers | listed.neighbours}, listed.neighbours);
-      return;
-    }
-    const std::uint64_t neighbours = listed.neighbours & traversal::primitive_pairs(a, b);
+    const std::uint64_t primitives = traversal::primitive_pairs(a, b), neighbours = listed.neighbours & primitives;
+    take({pair.a, pair.b, (strangers & primitives) | neighbours}, neighbours);
+    if ((strangers & ~primitives) == 0) return;
     traversal::hand_on_children(
-        a, b, pair, strangers,
+        a, b, pair, strangers & ~primitives,
         [&](NodePair next) {
           traversal::prefetch_node(scene_.a.nodes[next.a]);
           traversal::prefetch_node(scene_.a.nodes[next.b]);
           waiting_[waiting_count_++] = next;
         },
-        [&](const PrimitivePairs& pairs) { take(pairs, 0); });
-    take({pair.a, pair.b, neighbours}, neighbours);
+        [](const PrimitivePairs&) {});
   }
 
   /// What is below pairs of strangers, which by now are in the caches.
