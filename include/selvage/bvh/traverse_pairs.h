@@ -2,6 +2,7 @@
 
 #include "selvage/bvh/overlap.h"
 #include "selvage/bvh/traverse.h"
+#include "selvage/core/simd16.h"
 
 namespace selvage {
 inline namespace SELVAGE_ISA {
@@ -53,21 +54,7 @@ SELVAGE_INLINE std::uint64_t primitive_pairs(const BvhNode& a, const BvhNode& b)
 
 /// Which children of two nodes meet. All 64 pairs, and no branch: neighbours meet in most rows, never in the same ones.
 SELVAGE_INLINE std::uint64_t meeting_children(const BvhNode& a, const BvhNode& b) {
-  Float8 lower[3], upper[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    lower[axis] = Float8::load(b.lower[axis]);
-    upper[axis] = Float8::load(b.upper[axis]);
-  }
-  std::uint64_t bits = 0;
-  for (int i = 0; i < BvhNode::kWidth; ++i) {
-    const auto meet_along = [&](int axis) {
-      return and_bits(less_equal_lanes(lower[axis], Float8::broadcast(a.upper[axis][i])),
-                      less_equal_lanes(Float8::broadcast(a.lower[axis][i]), upper[axis]));
-    };
-    bits |= std::uint64_t{sign_bits(and_bits(and_bits(meet_along(0), meet_along(1)), meet_along(2)))}
-            << BvhNode::kWidth * i;
-  }
-  return bits & rows_below(a.child_count) & columns(b.present());
+  return pairs_that_meet(a.lower, a.upper, b.lower, b.upper) & rows_below(a.child_count) & columns(b.present());
 }
 
 /// Hands on pairs of children of two nodes, of those in the mask `meeting`: primitives to `visit(PrimitivePairs)`, even

@@ -308,6 +308,55 @@ SELVAGE_INLINE int store_bit_numbers(std::uint64_t bits, std::int32_t* p) {
   return count;
 }
 
+/// Eight numbers for each axis.
+using AxisRows = float[3][8];
+
+/// Which of eight boxes meet which of eight others, borders included: bit 8 i + k stands for box i of the first and box
+/// k of the others.
+SELVAGE_INLINE std::uint64_t pairs_that_meet(const AxisRows& lower_a, const AxisRows& upper_a, const AxisRows& lower_b,
+                                             const AxisRows& upper_b) {
+  std::uint64_t bits = 0;
+#ifdef SELVAGE_SIMD_AVX512
+  // Two boxes of the first at once: as a pair of floats again and again, beside each of the others twice.
+  const __m512i twice = _mm512_setr_epi32(0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7);
+  __m512 lower[3], upper[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto load_twice = [&](const float* row) {
+      return _mm512_maskz_permutexvar_ps(0xffff, twice, _mm512_maskz_broadcast_f32x8(0xffff, _mm256_loadu_ps(row)));
+    };
+    lower[axis] = load_twice(lower_b[axis]);
+    upper[axis] = load_twice(upper_b[axis]);
+  }
+  for (int i = 0; i < 8; i += 2) {
+    const auto two = [&](const float* row) {
+      return _mm512_castsi512_ps(_mm512_set1_epi64(_mm_cvtsi128_si64(_mm_loadu_si64(row + i))));
+    };
+    __mmask16 meet = 0xffff;
+    for (int axis = 0; axis < 3; ++axis) {
+      meet = _mm512_mask_cmp_ps_mask(meet, lower[axis], two(upper_a[axis]), _CMP_LE_OQ);
+      meet = _mm512_mask_cmp_ps_mask(meet, two(lower_a[axis]), upper[axis], _CMP_LE_OQ);
+    }
+    bits |= std::uint64_t{meet} << 8 * i;
+  }
+  return _pdep_u64(_pext_u64(bits, 0x5555555555555555), 0x00ff00ff00ff00ff) |
+         _pdep_u64(_pext_u64(bits, 0xaaaaaaaaaaaaaaaa), 0xff00ff00ff00ff00);
+#else
+  Float8 lower[3], upper[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    lower[axis] = Float8::load(lower_b[axis]);
+    upper[axis] = Float8::load(upper_b[axis]);
+  }
+  for (int i = 0; i < 8; ++i) {
+    const auto meet_along = [&](int axis) {
+      return and_bits(less_equal_lanes(lower[axis], Float8::broadcast(upper_a[axis][i])),
+                      less_equal_lanes(Float8::broadcast(lower_a[axis][i]), upper[axis]));
+    };
+    bits |= std::uint64_t{sign_bits(and_bits(and_bits(meet_along(0), meet_along(1)), meet_along(2)))} << 8 * i;
+  }
+  return bits;
+#endif
+}
+
 /// A table of 32 masks for each axis.
 using AxisMasks = std::uint16_t[3][32];
 
