@@ -157,8 +157,8 @@ ResolveReport resolve(ResolveCommandOptions& options, MeshFile& mesh) {
   options.limits.on_iteration = [&](const ResolveIteration& row) {
     if (row.iteration == 0) first = row.total_depth;
     progress.show(first > 0 ? std::clamp(1 - row.total_depth / first, 0.0, 1.0) : 1,
-                  fmt::format("iteration {}: {} pairs, {} vertices inside", row.iteration, grouped(row.triangle_pairs),
-                              grouped(row.penetrating_vertices)));
+                  fmt::format("iteration {}: {} pairs, {} vertices inside, deepest {:.2g} m", row.iteration,
+                              grouped(row.triangle_pairs), grouped(row.penetrating_vertices), row.deepest));
   };
   const TetMesh topology(static_cast<Index>(mesh.positions.size()), mesh.tetrahedra);
   ResolveReport report = resolve_collisions(topology, mesh.positions, options.limits);

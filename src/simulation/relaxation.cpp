@@ -2,9 +2,10 @@
 
 #include "selvage/core/error.h"
 #include "simulation/agreeing_contacts.h"
-#include "simulation/keep_upright.h"
+#include "simulation/find_inverted.h"
 #include "simulation/shape_energy.h"
 #include "simulation/tangle_finder.h"
+#include "simulation/turn_upright.h"
 
 #include <fmt/format.h>
 
@@ -16,6 +17,8 @@ namespace {
 
 /// Passes of material and contacts in one iteration, for one detection.
 constexpr int kPasses = 8;
+/// Of the material alone in each pass: with one, long thin elements crumple before they take along what they hang on.
+constexpr int kMaterialPasses = 4;
 /// Young's modulus where density, time step and mean edge length are 1: so stiff that contacts move bodies rather than
 /// dent them.
 constexpr double kStiffness = 100;
@@ -46,7 +49,7 @@ double mean_edge_length(const TetMesh& mesh, std::span<const Vec3> positions) {
 }
 
 /// All in one body whose stiffness is relative to its elements' size, so that a mesh resolves alike in any unit.
-Model make_relative_model(const TetMesh& mesh, const std::vector<Vec3>& rest) {
+Model make_relative_model(const TetMesh& mesh, std::span<const Vec3> rest) {
   if (std::ssize(rest) != mesh.vertex_count())
     throw Error("rest positions", fmt::format("{} for {} vertices", rest.size(), mesh.vertex_count()),
                 "give one per vertex");
@@ -54,20 +57,21 @@ Model make_relative_model(const TetMesh& mesh, const std::vector<Vec3>& rest) {
   Body body{"mesh", 0, mesh.vertex_count(), 0, mesh.element_count(), {}};
   body.material.density = 1;
   body.material.youngs_modulus = kStiffness * length * length;
-  return make_model(mesh, rest, {body});
+  return make_model(mesh, {rest.begin(), rest.end()}, {body});
 }
 
 }  // namespace
 
-Relaxation::Relaxation(const TetMesh& mesh, std::vector<Vec3>& positions, const ResolveOptions& options, int evenings)
+Relaxation::Relaxation(const TetMesh& mesh, std::vector<Vec3>& positions, std::span<const Vec3> rest,
+                       std::span<const Vec3> origin, const ResolveOptions& options)
     : mesh_(mesh),
       positions_(positions),
-      input_(positions),
-      model_(make_relative_model(mesh, options.rest_positions.empty() ? positions : options.rest_positions)),
+      start_(positions),
+      origin_(origin),
+      model_(make_relative_model(mesh, rest)),
       length_(mean_edge_length(mesh, model_.rest_positions)),
       clearance_(options.clearance),
       max_displacement_(options.max_displacement),
-      evenings_(evenings),
       push_{std::max(clearance_, kUntanglingClearance) * length_, kPush / kPasses * length_},
       material_(model_, 1) {
   for (const Vec3& p : positions_) vertices_.push_back({{p[0], p[1], p[2]}, 0});
@@ -101,11 +105,16 @@ void Relaxation::wake(Index vertex) {
   vertices_[vertex].inverse_mass = model_.inverse_masses[vertex];
 }
 
+void Relaxation::wake_displaced() {
+  for (Index v = 0; v < mesh_.vertex_count(); ++v)
+    if (positions_[v] != origin_[v]) wake(v);
+}
+
 void Relaxation::wake_neighbours() {
   std::vector<Index> woken;
   for (Index v = 0; v < mesh_.vertex_count(); ++v) {
     if (!is_awake_[v]) continue;
-    const double moved = (positions_[v] - input_[v]).norm();
+    const double moved = (positions_[v] - start_[v]).norm();
     for (const Index e : mesh_.vertex_elements(v)) {
       const auto& corners = mesh_.elements()[e];
       const double size = std::cbrt(6 * element_volume(corners, model_.rest_positions));
@@ -115,25 +124,24 @@ void Relaxation::wake_neighbours() {
   for (const Index v : woken) wake(v);
 }
 
-/// Contacts after the material, so that these have the last word; but none turns an element inside out, which would
-/// block the ways out of others, and paths that may pass through such an element take a thousand times as long to find.
+/// Contacts after the material, so that these have the last word. What is inside out has no outside: contacts there
+/// wait until it is turned, for they would hold it so.
 void Relaxation::relax() {
   std::vector<Contact> contacts;
   for (const HeldContact& held : held_) contacts.push_back(held.contact);
   contacts = find_agreeing_contacts(mesh_, contacts);
-  const std::vector<Vec3> before = positions_;
+  leave_out_inverted(mesh_, positions_, contacts);
   for (int pass = 0; pass < kPasses; ++pass) {
-    material_.solve(vertices_, {}, 0, 1);
+    for (int i = 0; i < kMaterialPasses; ++i) material_.solve(vertices_, {}, 0, 1);
     push_apart(contacts, push_, vertices_);
     limit_displacements();
   }
-  std::vector<Vec3> upright = positions_;
+  std::vector<Vec3> moved = positions_;
   for (Index v = 0; v < mesh_.vertex_count(); ++v)
-    if (is_awake_[v]) upright[v] = Eigen::Map<const Eigen::Vector3d>(vertices_[v].position);
-  const std::vector<Vec3> wanted = upright;
-  inverted_ = keep_upright(mesh_, before, inverted_, evenings_, upright);
-  has_held_back_ = has_held_back_ || upright != wanted;
-  set_positions(upright);
+    if (is_awake_[v]) moved[v] = Eigen::Map<const Eigen::Vector3d>(vertices_[v].position);
+  const Freedom freedom{is_awake_, origin_, max_displacement_};
+  inverted_ = turn_upright(mesh_, model_.rest_positions, find_inverted(mesh_, moved), freedom, moved);
+  set_positions(moved);
 }
 
 void Relaxation::set_positions(std::span<const Vec3> positions) {
@@ -146,6 +154,7 @@ void Relaxation::set_positions(std::span<const Vec3> positions) {
 
 void Relaxation::place(std::span<const Vec3> positions) {
   set_positions(positions);
+  inverted_ = find_inverted(mesh_, positions_);
   inverted_.clear();
 }
 
@@ -159,7 +168,7 @@ void Relaxation::limit_displacements() {
     if (!is_awake_[v]) continue;
     const Eigen::Map<Eigen::Vector3d> position(vertices_[v].position);
     hold_within(position, positions_[v], kLongestMove * length_);
-    hold_within(position, input_[v], max_displacement_);
+    hold_within(position, origin_[v], max_displacement_);
   }
 }
 

@@ -11,27 +11,31 @@ namespace selvage {
 class Relaxation {
  public:
   /// @param positions  (n_vertices x 3) where the mesh is; moved by relax() and place()
-  /// @param evenings   see keep_upright()
-  Relaxation(const TetMesh& mesh, std::vector<Vec3>& positions, const ResolveOptions& options, int evenings);
+  /// @param rest       its shape without stress
+  /// @param origin     where no vertex may go too far from; must outlive this
+  Relaxation(const TetMesh& mesh, std::vector<Vec3>& positions, std::span<const Vec3> rest,
+             std::span<const Vec3> origin, const ResolveOptions& options);
 
   const Model& model() const { return model_; }
   /// Elements that are inside out or flat now, ascending.
   std::span<const Index> inverted() const { return inverted_; }
   std::int64_t count_awake() const;
-  /// Whether any vertex has ever been held back, so that elements stay upright.
-  bool has_held_back() const { return has_held_back_; }
 
   /// Takes over contacts, sorted by point; of points that have none, those of the last iterations. Their vertices
   /// wake, and those of inverted elements.
   void hold(std::span<const Contact> contacts);
 
+  /// Wakes what is not where its origin is.
+  void wake_displaced();
+
   /// Wakes one ring of elements around what has moved.
   void wake_neighbours();
 
-  /// The material from where vertices are, and then out of the contacts that are held.
+  /// The material from where vertices are, and then out of the contacts that are held; what this turns inside out is
+  /// turned upright again as far as that goes.
   void relax();
 
-  /// Sets what is awake to other positions, in which no element is inverted.
+  /// Sets what is awake to other positions.
   void place(std::span<const Vec3> positions);
 
   /// Lets what meets come closer again, down to the clearance that was asked for.
@@ -50,18 +54,17 @@ class Relaxation {
 
   const TetMesh& mesh_;
   std::vector<Vec3>& positions_;
-  const std::vector<Vec3> input_;
+  const std::vector<Vec3> start_;
+  const std::span<const Vec3> origin_;
   const Model model_;
   const double length_;  ///< mean of the boundary's edges at rest [m]
   const double clearance_, max_displacement_;
-  const int evenings_;
   Push push_;
   MaterialSolver material_;
   std::vector<VertexRow> vertices_;  ///< those asleep have no inverse mass; followed by the solver's stand-ins
   std::vector<std::uint8_t> is_free_, is_awake_;
   std::vector<Index> inverted_;
   std::vector<HeldContact> held_;
-  bool has_held_back_ = false;
 };
 
 }  // namespace selvage

@@ -1,6 +1,7 @@
 #include "selvage/simulation/resolve.h"
 
 #include "selvage/core/error.h"
+#include "simulation/find_inverted.h"
 #include "simulation/relaxation.h"
 #include "simulation/shape_energy.h"
 #include "simulation/tangle_finder.h"
@@ -15,11 +16,10 @@ namespace selvage {
 
 namespace {
 
-/// Iterations, at most, in which the material comes to rest once all are out.
-constexpr int kSettling = 30;
-/// How often the ways of vertices that would turn elements inside out are evened with those of their neighbours, one
-/// attempt after the other: what locks with one number comes free with another.
-constexpr std::array kEvenings = {0, 8, 16, 32};
+/// Iterations, at most, in which the material comes to rest once all are out, and so many without a better rest.
+constexpr int kSettling = 60, kSettled = 10;
+/// Iterations without progress after which the material yields.
+constexpr int kYield = 10;
 /// Part by which something must have become less to be progress.
 constexpr double kProgress = 0.01;
 
@@ -44,17 +44,20 @@ class Resolver {
         options_(options),
         positions_(positions),
         input_(positions),
-        body_(std::in_place, mesh, positions, options, kEvenings.front()),
+        rest_(options.rest_positions.empty() ? positions : options.rest_positions),
+        body_(std::in_place, mesh, positions, rest_, input_, options),
         tangle_(mesh, positions) {}
   ResolveReport run();
 
  private:
   ResolveIteration measure(int iteration);
   ResolveOutcome untangle(ResolveReport& report);
-  ResolveOutcome untangle_from(int first_iteration, ResolveReport& report);
+  void yield();
+  bool may_start_anew() const;
   void settle(ResolveReport& report);
   void report_iteration(ResolveReport& report, const ResolveIteration& now) const;
-  bool has_progressed(const ResolveIteration& now);
+  bool has_improved(const ResolveIteration& now);
+  bool has_spread(const ResolveIteration& now);
   double total_energy(std::span<const Vec3> positions) const;
   void fill_report(ResolveReport& report) const;
   std::vector<Index> find_tangled_elements() const;
@@ -62,10 +65,11 @@ class Resolver {
   const TetMesh& mesh_;
   const ResolveOptions& options_;
   std::vector<Vec3>& positions_;
-  const std::vector<Vec3> input_;
+  const std::vector<Vec3> input_, rest_;
   std::optional<Relaxation> body_;
   TangleFinder tangle_;
-  std::optional<ResolveIteration> best_;  ///< the least of each number in this attempt
+  bool has_yielded_ = false;
+  std::optional<ResolveIteration> best_;  ///< the least of each number
 };
 
 ResolveIteration Resolver::measure(int iteration) {
@@ -79,22 +83,30 @@ ResolveIteration Resolver::measure(int iteration) {
 }
 
 /// Whether anything that is wrong has become less than it ever was.
-bool Resolver::has_progressed(const ResolveIteration& now) {
+bool Resolver::has_improved(const ResolveIteration& now) {
   if (!best_) {
     best_ = now;
     return true;
   }
-  bool progressed = false;
+  bool improved = false;
   const auto compare = [&](auto& best, auto value) {
     if (!(static_cast<double>(value) < (1 - kProgress) * static_cast<double>(best))) return;
     best = value;
-    progressed = true;
+    improved = true;
   };
   compare(best_->triangle_pairs, now.triangle_pairs);
   compare(best_->penetrating_vertices, now.penetrating_vertices);
   compare(best_->total_depth, now.total_depth);
   compare(best_->inverted_elements, now.inverted_elements);
-  return progressed;
+  return improved;
+}
+
+/// Whether more of the mesh gives way than ever.
+bool Resolver::has_spread(const ResolveIteration& now) {
+  if (!((1 - kProgress) * static_cast<double>(now.awake_vertices) > static_cast<double>(best_->awake_vertices)))
+    return false;
+  best_->awake_vertices = now.awake_vertices;
+  return true;
 }
 
 std::vector<Index> Resolver::find_tangled_elements() const {
@@ -108,8 +120,7 @@ std::vector<Index> Resolver::find_tangled_elements() const {
 double Resolver::total_energy(std::span<const Vec3> positions) const {
   double energy = 0;
   for (const auto& e : mesh_.elements())
-    energy +=
-        element_energy(e, body_->model().rest_positions, positions, body_->model().bodies[0].material.poisson_ratio);
+    energy += element_energy(e, rest_, positions, body_->model().bodies[0].material.poisson_ratio);
   return energy;
 }
 
@@ -136,56 +147,71 @@ void Resolver::report_iteration(ResolveReport& report, const ResolveIteration& n
   if (options_.on_iteration) options_.on_iteration(now);
 }
 
-/// One attempt after the other, each from the input; only one where nothing was held back, for others would be the
-/// same.
-ResolveOutcome Resolver::untangle(ResolveReport& report) {
-  ResolveOutcome outcome = untangle_from(0, report);
-  for (std::size_t attempt = 1; attempt < kEvenings.size(); ++attempt) {
-    if (outcome != ResolveOutcome::kStuck || !body_->has_held_back()) break;
-    positions_ = input_;
-    best_.reset();
-    body_.emplace(mesh_, positions_, options_, kEvenings[attempt]);
-    outcome = untangle_from(report.iterations.back().iteration + 1, report);
-  }
-  return outcome;
+/// The material takes the shape that it has now for its rest: it would pull back for ever into creases that overlap at
+/// rest, and where contacts and material pull against each other neither wins. Nothing is awake after that but what is
+/// pushed.
+void Resolver::yield() {
+  if (!body_->inverted().empty()) return;
+  body_.emplace(mesh_, positions_, positions_, input_, options_);
+  has_yielded_ = true;
 }
 
-ResolveOutcome Resolver::untangle_from(int first_iteration, ResolveReport& report) {
-  int last_progress = first_iteration;
-  for (int iteration = first_iteration;; ++iteration) {
+/// A rest shape that was given may drive the tangle ever deeper, as one that is much larger does: then once more, with
+/// the input at rest.
+bool Resolver::may_start_anew() const {
+  return !has_yielded_ && !options_.rest_positions.empty() && find_inverted(mesh_, input_).empty();
+}
+
+ResolveOutcome Resolver::untangle(ResolveReport& report) {
+  int last_better = 0, last_progress = 0;
+  for (int iteration = 0;; ++iteration) {
     const ResolveIteration now = measure(iteration);
     report_iteration(report, now);
     if (now.is_clean()) return ResolveOutcome::kResolved;
-    if (has_progressed(now)) last_progress = iteration;
+    if (has_improved(now)) last_better = last_progress = iteration;
+    if (has_spread(now)) last_progress = iteration;
     if (iteration >= options_.max_iterations) return ResolveOutcome::kGaveUp;
-    if (iteration - last_progress >= options_.patience) return ResolveOutcome::kStuck;
+    const int waited = iteration - last_progress;
+    if (waited >= options_.patience) return ResolveOutcome::kStuck;
+    if (iteration - last_better >= kYield && may_start_anew()) {
+      positions_ = input_;
+      best_.reset();
+      body_.emplace(mesh_, positions_, input_, input_, options_);
+      has_yielded_ = true;
+      continue;
+    }
+    if (waited > 0 && waited % kYield == 0) yield();
     body_->hold(tangle_.contacts());
     body_->relax();
     body_->wake_neighbours();
   }
 }
 
-/// Lets the material come to rest, ever closer to the clearance that was asked for. Where something gets inside again,
-/// it is held, too, and all is tried once more.
+/// Lets the material come to rest, ever closer to the clearance that was asked for. What gets inside again is held,
+/// too. The best of what was clean on the way stays.
 void Resolver::settle(ResolveReport& report) {
-  double energy = total_energy(positions_);
-  for (int i = 0; i < kSettling; ++i) {
-    const std::vector<Vec3> resolved = positions_;
+  std::vector<Vec3> best = positions_;
+  double least = total_energy(positions_);
+  if (has_yielded_) {
+    body_.emplace(mesh_, positions_, rest_, input_, options_);
+    body_->wake_displaced();
+  }
+  for (int i = 0, waited = 0; i < kSettling && waited < kSettled; ++i, ++waited) {
     body_->shrink_clearance();
     body_->relax();
     const ResolveIteration now = measure(report.iterations.back().iteration + 1);
-    const double energy_now = total_energy(positions_);
+    const double energy = total_energy(positions_);
     if (!now.is_clean()) {
       body_->hold(tangle_.contacts());
-      body_->place(resolved);
-    } else if (energy_now < (1 - kProgress) * energy) {
-      energy = energy_now;
-      body_->wake_neighbours();
+    } else if (energy < (1 - kProgress) * least) {
       report_iteration(report, now);
-    } else {
-      return body_->place(resolved);
+      best = positions_;
+      least = energy;
+      waited = 0;
     }
+    body_->wake_neighbours();
   }
+  body_->place(best);
 }
 
 ResolveReport Resolver::run() {

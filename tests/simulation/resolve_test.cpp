@@ -83,7 +83,7 @@ TEST(Resolve, PartsTwoBoxes) {
   expect_volume_kept(r, 0.01);
   // They overlapped by 0.17, of which each gives way about half, are set apart by some of the mean edge length, and
   // turn a little as they come to rest.
-  EXPECT_LT(r.report.max_displacement, 0.25);
+  EXPECT_LT(r.report.max_displacement, 0.4);
 }
 
 TEST(Resolve, PartsAnOverlappingCopy) {
@@ -116,11 +116,67 @@ TEST(Resolve, UntanglesASwirl) {
   expect_volume_kept(r, 0.1);
 }
 
-// The first attempt locks.
-TEST(Resolve, UntanglesAFinerSwirlInAnotherAttempt) {
+TEST(Resolve, UntanglesAFinerSwirl) {
   const Resolved r = resolve(posed("octopus", 30000, "swirl"));
   expect_resolved(r);
   expect_volume_kept(r, 0.1);
+}
+
+// Arms that end up knotted where the material pulls back as much as contacts push.
+TEST(Resolve, UntanglesAWideSwirl) {
+  const Resolved r = resolve(posed("octopus", 15000, "swirl", {.turns = 0.25}));
+  expect_resolved(r);
+  expect_volume_kept(r, 0.05);
+  EXPECT_LT(r.report.iterations.size(), 150u);
+}
+
+// Two thirds of all vertices are inside, some in two places at once: contacts turn hundreds of elements inside out.
+TEST(Resolve, UnwindsARodWoundOnItself) {
+  const Resolved r = resolve(posed("rod", 3000, "bend", {.turns = 3.0}));
+  EXPECT_GT(r.report.iterations.front().triangle_pairs, 4000);
+  expect_resolved(r);
+  expect_volume_kept(r, 0.15);
+  EXPECT_LT(r.report.iterations.size(), 150u);
+}
+
+// Cells four and eight times as long as thick, laid into a ring whose ends overlap.
+TEST(Resolve, OpensARingOfThinElements) {
+  MeshFile mesh = make_box({4, 1, 1}, 0.25);
+  for (Vec3& p : mesh.positions) p = p.cwiseProduct(Vec3(0.5, 0.125, 1));
+  apply_pose(mesh, "bend", {.turns = 1.1});
+  const Resolved r = resolve(mesh);
+  EXPECT_GT(r.report.iterations.front().penetrating_vertices, 0);
+  expect_resolved(r);
+  expect_volume_kept(r, 0.05);
+}
+
+/// Its own vertices shaken, so that elements are inside out.
+TEST(Resolve, TurnsWhatIsInsideOutByTheRestThatIsGiven) {
+  MeshFile mesh = make_rod(RodCurve::kStraight, 8, 0.2, 0.1);
+  ResolveOptions options;
+  options.rest_positions = mesh.positions;
+  apply_pose(mesh, "self-crossing");
+  for (std::size_t v = 0; v < mesh.positions.size(); v += 5)
+    mesh.positions[v] += 0.08 * Vec3(std::sin(7.0 * static_cast<double>(v)), std::cos(5.0 * static_cast<double>(v)), 0);
+  const Resolved r = resolve(mesh, options);
+  EXPECT_GT(r.report.iterations.front().inverted_elements, 50);
+  expect_resolved(r);
+  EXPECT_LT(r.report.elastic_energy_after, r.report.elastic_energy_before);
+}
+
+// A rest three times as large swells into the tangle.
+TEST(Resolve, StartsAnewFromTheInputWhereTheRestDrivesTheTangleDeeper) {
+  ShapeOptions measures;
+  measures.elements = 15000;
+  MeshFile mesh = make_shape("octopus", measures);
+  ResolveOptions options;
+  options.rest_positions = mesh.positions;
+  for (Vec3& p : options.rest_positions) p *= 3;
+  apply_pose(mesh, "swirl");
+  const Resolved r = resolve(mesh, options);
+  expect_resolved(r);
+  const auto& rows = r.report.iterations;
+  EXPECT_EQ(std::count_if(rows.begin(), rows.end(), [](const auto& row) { return row.max_displacement == 0; }), 2);
 }
 
 // Its two crossings are tight bends.
@@ -205,6 +261,17 @@ TEST(Resolve, PinnedVerticesStay) {
   for (Index v = 0; v < std::ssize(mesh.positions) / 2; ++v) options.pinned.push_back(v);
   const Resolved r = resolve(mesh, options);
   expect_resolved(r);
+  for (const Index v : options.pinned) ASSERT_EQ(r.after[v], r.before[v]) << v;
+}
+
+// Where elements turn over that are held by some of their vertices.
+TEST(Resolve, PinnedVerticesStayInATangle) {
+  const MeshFile mesh = posed("octopus", 15000, "swirl");
+  ResolveOptions options;
+  for (Index v = 0; v < std::ssize(mesh.positions); v += 9) options.pinned.push_back(v);
+  options.max_iterations = 20;
+  const Resolved r = resolve(mesh, options);
+  EXPECT_GT(r.report.moved_vertices, 100);
   for (const Index v : options.pinned) ASSERT_EQ(r.after[v], r.before[v]) << v;
 }
 

@@ -35,7 +35,7 @@ struct ResolveOptions {
   /// How close surfaces that met may come again once all is out, as a part of the boundary's mean edge length at rest.
   double clearance = 0.05;
   int max_iterations = 2000;
-  int patience = 60;  ///< iterations without progress after which an attempt of several is stuck
+  int patience = 60;  ///< iterations without progress that mean: stuck
   std::function<void(const ResolveIteration&)> on_iteration{};
 };
 
@@ -59,17 +59,18 @@ struct ResolveReport {
 /// Moves a tangled mesh, at rest, to a state without self-collision.
 ///
 /// Every vertex, edge and centroid that is inside an element goes the shortest path to the boundary while an elastic
-/// material keeps the shape (SPB section 5.2: no CCD, all points); crossings take one side. Then the material comes to
-/// rest as far as all stays out. Nothing has a velocity: each iteration relaxes from where vertices are. Only vertices
-/// near a tangle may move; what they move wakes its neighbours. All others, and so every vertex of a mesh that is not
-/// tangled, keep their positions bit for bit. The same bits for any number of threads.
+/// material keeps the shape (SPB section 5.2: no CCD, all points); crossings take one side. What this turns inside out
+/// is turned back at once. Then the material comes to rest as far as all stays out. Nothing has a velocity: each
+/// iteration relaxes from where vertices are. Only vertices near a tangle may move; what they move wakes its
+/// neighbours. All others, and so every vertex of a mesh that is not tangled, keep their positions bit for bit. The
+/// same bits for any number of threads.
 ///
 /// @param mesh       topology, all objects in one
 /// @param positions  (n_vertices x 3) [m]; moved, also where the mesh is not resolved
 /// @throws Error     when sizes differ, a position is not finite, an element is not positive at rest, or an option is
 ///                   impossible; it names which
 ///
-/// Source: Chen, Diaz, Yuksel 2023 (SPB), section 5.2.
+/// Source: Chen, Diaz, Yuksel 2023 (SPB), section 5.2; for what is inside out Garanzha et al. 2021, Foldover-free maps.
 ResolveReport resolve_collisions(const TetMesh& mesh, std::vector<Vec3>& positions, const ResolveOptions& options = {});
 
 }  // namespace selvage
