@@ -106,6 +106,8 @@ CollisionReport find_collisions(const CheckOptions& options, MeshFile file, std:
   watch.lap("topology");
   SelfCollisionOptions asked;
   asked.method = culling_method(options.method);
+  // One pose is compared in less time than it takes to find out where there is no need to.
+  if (asked.method == CullingMethod::kAuto && options.end_mesh.empty()) asked.method = CullingMethod::kBvh;
   asked.include_adjacent = options.adjacent;
   CheckProgress progress(options.common.quiet);
   asked.on_progress = [&](double share) { progress.show(share); };
