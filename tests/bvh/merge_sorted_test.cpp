@@ -43,12 +43,12 @@ TEST_P(MergeSorted, GivesWhatStdSortGives) {
   EXPECT_TRUE(merge_sorted(std::span<const std::vector<Item>>(lists), &Item::first, &Item::second) == expected);
 }
 
-constexpr Index kLargest = std::numeric_limits<Index>::max();
+constexpr Index kHighestKey = std::numeric_limits<Index>::max();
 
 INSTANTIATE_TEST_SUITE_P(Sizes, MergeSorted,
                          testing::Values(MergeCase{0, 1, 1}, MergeCase{1, 1, 1}, MergeCase{255, 20, 20},
                                          MergeCase{256, 16, 16}, MergeCase{300, 1, 300}, MergeCase{300, 300, 1},
-                                         MergeCase{1'000, kLargest, kLargest}, MergeCase{5'000, 3, kLargest},
+                                         MergeCase{1'000, kHighestKey, kHighestKey}, MergeCase{5'000, 3, kHighestKey},
                                          MergeCase{70'000, 90'000, 90'000}, MergeCase{200'000, 1'000, 2'000'000}));
 
 }  // namespace
