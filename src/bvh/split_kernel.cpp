@@ -118,7 +118,7 @@ SplitPlane best_plane(const SplitBins& bins, float measure_scale, bool flat) {
     for (int i = 0; i < kBins; ++i) {
       const Index left = sides.counts[0][axis][i], right = sides.counts[1][axis][i];
       const float cost = sides.measures[0][axis][i] * leaf_nodes(left) + sides.measures[1][axis][i] * leaf_nodes(right);
-      costs[axis][i] = (left > 0) & (right > 0) ? cost : __builtin_inff();  // without a branch
+      costs[axis][i] = ((left > 0) & (right > 0)) ? cost : __builtin_inff();  // without a branch
     }
   float least = __builtin_inff();
   for (int axis = 0; axis < 3; ++axis)
