@@ -9,31 +9,41 @@
 namespace selvage {
 inline namespace SELVAGE_ISA {
 
-/// Sixteen points or vectors, a row for each axis; the third is 0 in the plane.
-struct Vector16 {
-  Float16 at[3];
+/// Points or vectors, a row for each axis; the third is 0 in the plane.
+template <typename Lanes>
+struct VectorRows {
+  Lanes at[3];
 };
-SELVAGE_INLINE Vector16 operator-(const Vector16& a, const Vector16& b) {
+using Vector16 = VectorRows<Float16>;
+using Vector8 = VectorRows<Float8>;
+
+template <typename Lanes>
+SELVAGE_INLINE VectorRows<Lanes> operator-(const VectorRows<Lanes>& a, const VectorRows<Lanes>& b) {
   return {{a.at[0] - b.at[0], a.at[1] - b.at[1], a.at[2] - b.at[2]}};
 }
-SELVAGE_INLINE Vector16 operator+(const Vector16& a, const Vector16& b) {
+template <typename Lanes>
+SELVAGE_INLINE VectorRows<Lanes> operator+(const VectorRows<Lanes>& a, const VectorRows<Lanes>& b) {
   return {{a.at[0] + b.at[0], a.at[1] + b.at[1], a.at[2] + b.at[2]}};
 }
-SELVAGE_INLINE Vector16 operator*(const Float16& s, const Vector16& a) {
+template <typename Lanes>
+SELVAGE_INLINE VectorRows<Lanes> operator*(const Lanes& s, const VectorRows<Lanes>& a) {
   return {{s * a.at[0], s * a.at[1], s * a.at[2]}};
 }
-SELVAGE_INLINE Float16 dot(const Vector16& a, const Vector16& b) {
+template <typename Lanes>
+SELVAGE_INLINE Lanes dot(const VectorRows<Lanes>& a, const VectorRows<Lanes>& b) {
   return a.at[0] * b.at[0] + a.at[1] * b.at[1] + a.at[2] * b.at[2];
 }
 SELVAGE_INLINE Vector16 cross(const Vector16& a, const Vector16& b) {
   return {{a.at[1] * b.at[2] - a.at[2] * b.at[1], a.at[2] * b.at[0] - a.at[0] * b.at[2],
            a.at[0] * b.at[1] - a.at[1] * b.at[0]}};
 }
-SELVAGE_INLINE Float16 abs(const Float16& a) {
-  return and_bits(a, Float16::broadcast(std::bit_cast<float>(std::numeric_limits<Index>::max())));
+template <typename Lanes>
+SELVAGE_INLINE Lanes abs(const Lanes& a) {
+  return and_bits(a, Lanes::broadcast(std::bit_cast<float>(std::numeric_limits<Index>::max())));
 }
 /// Sum of absolute coordinates.
-SELVAGE_INLINE Float16 sum_of_sizes(const Vector16& a) {
+template <typename Lanes>
+SELVAGE_INLINE Lanes sum_of_sizes(const VectorRows<Lanes>& a) {
   return abs(a.at[0]) + abs(a.at[1]) + abs(a.at[2]);
 }
 

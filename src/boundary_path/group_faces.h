@@ -23,6 +23,45 @@ struct ChildSpheres {
   }
 };
 
+/// Squared distances between boxes, one of which is a point but for its rounding.
+template <typename Lanes>
+SELVAGE_INLINE Lanes squared_gap(const VectorRows<Lanes>& lower, const VectorRows<Lanes>& upper,
+                                 const VectorRows<Lanes>& other_lower, const VectorRows<Lanes>& other_upper) {
+  VectorRows<Lanes> gap;
+  for (int i = 0; i < 3; ++i)
+    gap.at[i] = max(max(lower.at[i] - other_upper.at[i], other_lower.at[i] - upper.at[i]), Lanes::broadcast(0));
+  return dot(gap, gap);
+}
+
+/// A child of a node as its ConeNode knows it.
+template <typename Lanes>
+struct ChildCone {
+  VectorRows<Lanes> middle, axis;
+  Lanes radius, cosine, sine;
+
+  /// Lanes that find no answer below the child: see ConeNode.
+  ///
+  /// How far p is outside the cone of directions around the axis' opposite, opened at each point of the child's sphere.
+  /// Slack for the rounding of positions in the frame, which is a few units across, and for the root of a small
+  /// difference, which loses half its digits.
+  SELVAGE_INLINE unsigned seen_askew(const VectorRows<Lanes>& eye, unsigned one_sided) const {
+    const VectorRows<Lanes> from_middle = eye - middle;
+    const Lanes along = dot(from_middle, axis), squared_length = dot(from_middle, from_middle);
+    const Lanes across = sqrt(max(squared_length - along * along, Lanes::broadcast(0))) * cosine, lift = along * sine;
+    const Lanes reach = radius + sum_of_sizes(from_middle) * Lanes::broadcast(1e-3f);
+    return less_equal(reach, across + lift) & (less_equal(reach, across - lift) | one_sided);
+  }
+};
+
+template <typename Lanes>
+SELVAGE_INLINE VectorRows<Lanes> broadcast_rows(const float (&rows)[3][BvhNode::kWidth], int child) {
+  return {{Lanes::broadcast(rows[0][child]), Lanes::broadcast(rows[1][child]), Lanes::broadcast(rows[2][child])}};
+}
+template <typename Lanes, std::size_t N>
+SELVAGE_INLINE VectorRows<Lanes> load_rows(const float (&rows)[3][N]) {
+  return {{Lanes::load(rows[0]), Lanes::load(rows[1]), Lanes::load(rows[2])}};
+}
+
 /// Lists for each lane the faces that may be its answer.
 template <int D>
 void GroupSearch<D>::collect_faces() {
@@ -89,14 +128,13 @@ SELVAGE_INLINE void GroupSearch<D>::visit_together(Index place, unsigned lanes, 
   const Float16 limit = Float16::load(limit_);
   for (unsigned rest = traversal::overlapping_children(node, reach); rest != 0; rest &= rest - 1) {
     const int k = lowest_lane(rest);
-    Float16 squared = Float16::broadcast(0);
-    for (int i = 0; i < 3; ++i) {
-      const Float16 below = Float16::broadcast(node.lower[i][k]) - Float16::load(upper_[i]);
-      const Float16 above = Float16::load(lower_[i]) - Float16::broadcast(node.upper[i][k]);
-      const Float16 gap = max(max(below, above), Float16::broadcast(0));
-      squared = squared + gap * gap;
-    }
-    const unsigned wanted = less_equal(squared, limit, lanes) & ~(see_askew(spheres, cones, k) & culling_);
+    const Float16 squared = squared_gap(broadcast_rows<Float16>(node.lower, k), broadcast_rows<Float16>(node.upper, k),
+                                        load_rows<Float16>(lower_), load_rows<Float16>(upper_));
+    const ChildCone<Float16> cone = {broadcast_rows<Float16>(spheres.middle, k), broadcast_rows<Float16>(cones.axis, k),
+                                     Float16::broadcast(spheres.radius[k]), Float16::broadcast(cones.cosine[k]),
+                                     Float16::broadcast(cones.sine[k])};
+    const unsigned askew = cone.seen_askew(load_rows<Float16>(eye_), 0u - (~cones.two_sided >> k & 1u));
+    const unsigned wanted = less_equal(squared, limit, lanes) & ~(askew & culling_);
     const Index child = node.children[k];
     if (child < 0) {
       nodes_.items[nodes_.count] = ~child;
@@ -117,15 +155,17 @@ SELVAGE_INLINE void GroupSearch<D>::visit_together(Index place, unsigned lanes, 
 template <int D>
 SELVAGE_INLINE void GroupSearch<D>::visit(Index place, Index lane) {
   const BvhNode& node = scene_.face_nodes[place];
-  Float8 squared = Float8::broadcast(0);
-  for (int i = 0; i < 3; ++i) {
-    const Float8 below = Float8::load(node.lower[i]) - Float8::broadcast(upper_[i][lane]);
-    const Float8 above = Float8::broadcast(lower_[i][lane]) - Float8::load(node.upper[i]);
-    const Float8 gap = max(max(below, above), Float8::broadcast(0));
-    squared = squared + gap * gap;
-  }
-  unsigned wanted = less_equal(squared, Float8::broadcast(limit_[lane])) & node.present();
-  wanted &= ~(seen_askew(node, scene_.face_cones[place], lane) & (0u - (culling_ >> lane & 1u)));
+  const ConeNode& cones = scene_.face_cones[place];
+  const auto of_lane = [&](const float(&rows)[3][kWidth]) -> Vector8 {
+    return {{Float8::broadcast(rows[0][lane]), Float8::broadcast(rows[1][lane]), Float8::broadcast(rows[2][lane])}};
+  };
+  const Float8 squared =
+      squared_gap(load_rows<Float8>(node.lower), load_rows<Float8>(node.upper), of_lane(lower_), of_lane(upper_));
+  const ChildSpheres spheres(node);
+  const ChildCone<Float8> cone = {load_rows<Float8>(spheres.middle), load_rows<Float8>(cones.axis),
+                                  Float8::load(spheres.radius), Float8::load(cones.cosine), Float8::load(cones.sine)};
+  const unsigned askew = cone.seen_askew(of_lane(eye_), ~cones.two_sided) & (0u - (culling_ >> lane & 1u));
+  unsigned wanted = less_equal(squared, Float8::broadcast(limit_[lane])) & node.present() & ~askew;
   const unsigned nodes = negative(Int8::load(node.children));
   Index places[BvhNode::kWidth];
   (~Int8::load(node.children)).store(places);
@@ -155,48 +195,6 @@ SELVAGE_INLINE unsigned GroupSearch<D>::excluded_faces(const LeafNode<D>& leaf, 
       with_source[i] |= equal_bits(Float8::load(reinterpret_cast<const float*>(leaf.vertices[k])),
                                    Float8::broadcast(sources_[i][lane]));
   return with_source[0] & with_source[1];
-}
-
-/// Lanes that find no answer below a child: see seen_askew().
-template <int D>
-SELVAGE_INLINE unsigned GroupSearch<D>::see_askew(const ChildSpheres& spheres, const ConeNode& cones, int child) const {
-  const Float16 zero = Float16::broadcast(0);
-  Float16 along = zero, squared_length = zero, length_bound = zero;
-  for (int i = 0; i < 3; ++i) {
-    const Float16 from_middle = Float16::load(eye_[i]) - Float16::broadcast(spheres.middle[i][child]);
-    along = along + from_middle * Float16::broadcast(cones.axis[i][child]);
-    squared_length = squared_length + from_middle * from_middle;
-    length_bound = length_bound + abs(from_middle);
-  }
-  const Float16 across = sqrt(max(squared_length - along * along, zero)) * Float16::broadcast(cones.cosine[child]);
-  const Float16 lift = along * Float16::broadcast(cones.sine[child]);
-  const Float16 radius = Float16::broadcast(spheres.radius[child]) + length_bound * Float16::broadcast(1e-3f);
-  const unsigned not_below = less_equal(radius, across + lift);
-  const unsigned not_above = less_equal(radius, across - lift);
-  return not_below & (not_above | (0u - (~cones.two_sided >> child & 1u)));
-}
-
-/// Children below which no answer lies: see ConeNode.
-template <int D>
-SELVAGE_INLINE unsigned GroupSearch<D>::seen_askew(const BvhNode& node, const ConeNode& cones, Index lane) const {
-  const Float8 zero = Float8::broadcast(0);
-  const ChildSpheres spheres(node);
-  Float8 along = zero, squared_length = zero, length_bound = zero;
-  for (int i = 0; i < 3; ++i) {
-    const Float8 from_middle = Float8::broadcast(eye_[i][lane]) - Float8::load(spheres.middle[i]);
-    along = along + from_middle * Float8::load(cones.axis[i]);
-    squared_length = squared_length + from_middle * from_middle;
-    length_bound = length_bound + max(from_middle, zero - from_middle);
-  }
-  // How far p is outside the cone of directions around the axis' opposite, opened at each point of the child's sphere.
-  // Slack for the rounding of positions in the frame, which is a few units across, and for the root of a small
-  // difference, which loses half its digits.
-  const Float8 across = sqrt(max(squared_length - along * along, zero)) * Float8::load(cones.cosine);
-  const Float8 lift = along * Float8::load(cones.sine);
-  const Float8 radius = Float8::load(spheres.radius) + length_bound * Float8::broadcast(1e-3f);
-  const unsigned not_below = less_equal(radius, across + lift);
-  const unsigned not_above = less_equal(radius, across - lift);
-  return not_below & (not_above | ~cones.two_sided);
 }
 
 /// Sixteen pairs of a lane and a face, ready to be looked at.

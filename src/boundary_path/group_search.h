@@ -9,8 +9,6 @@
 namespace selvage {
 inline namespace SELVAGE_ISA {
 
-struct ChildSpheres;
-
 /// In the plane segments are followed one by one.
 struct NoBundle {
   explicit NoBundle(const PathScene<2>&) {}
@@ -110,8 +108,6 @@ class GroupSearch {
   Box box_of_reach(const float (&squared_reach)[kWidth]) const;
   void visit_together(Index place, unsigned lanes, const traversal::WideBox& reach);
   void visit(Index place, Index lane);
-  unsigned see_askew(const ChildSpheres& spheres, const ConeNode& cones, int child) const;
-  unsigned seen_askew(const BvhNode& node, const ConeNode& cones, Index lane) const;
   unsigned excluded_from(const LeafNode<D>& leaf, int child) const;
   unsigned excluded_faces(const LeafNode<D>& leaf, Index lane) const;
   FaceView<D> view(const Index* faces, const Index* lanes) const;
