@@ -11,7 +11,8 @@ namespace {
 
 constexpr Index kParallelSize = 1 << 17;  ///< ranges larger than this are split in parallel
 constexpr Index kChunk = 1 << 13;
-constexpr Index kSampled = 1 << 10;  ///< primitives of a larger range that tell where to split it: as good as all
+constexpr Index kSampled = 1 << 10;     ///< primitives of a larger range that tell where to split it: as good as all
+constexpr Index kSampledFast = 1 << 6;  ///< nearly as good
 constexpr float kHuge = std::numeric_limits<float>::max() / 8;  ///< sums and differences of a few stay finite
 
 float clamp(float x) {
@@ -61,11 +62,6 @@ PrimitiveRef make_ref(const Box& box, Index primitive) {
   return ref;
 }
 
-/// One primitive out of so many tells where to split a range.
-Index sampling_step(Index count) {
-  return std::max(1, count / kSampled);
-}
-
 /// What lengths are multiplied by where boxes inside `whole` are measured, so that nothing overflows or vanishes.
 float measure_scale(Float8 whole) {
   float extents[4];
@@ -75,8 +71,8 @@ float measure_scale(Float8 whole) {
 
 }  // namespace
 
-RangeSplitter::RangeSplitter(std::span<const Box> boxes)
-    : refs_(std::make_unique_for_overwrite<PrimitiveRef[]>(boxes.size())) {
+RangeSplitter::RangeSplitter(std::span<const Box> boxes, BuildQuality quality)
+    : quality_(quality), refs_(std::make_unique_for_overwrite<PrimitiveRef[]>(boxes.size())) {
   const Index count = static_cast<Index>(boxes.size());
   if (count > kParallelSize) scratch_ = std::make_unique_for_overwrite<PrimitiveRef[]>(boxes.size());
   parallel_for(count, kChunk, [&](std::int64_t i) { refs_[i] = make_ref(boxes[i], static_cast<Index>(i)); });
@@ -88,6 +84,11 @@ RangeSplitter::RangeSplitter(std::span<const Box> boxes)
   extents_of(Float8::load(all.bounds)).store(extents);
   flat_ = std::min({extents[0], extents[1], extents[2]}) == 0;
   largest_extent_ = std::max({extents[0], extents[1], extents[2]});
+}
+
+/// One primitive out of so many tells where to split a range.
+Index RangeSplitter::sampling_step(Index count) const {
+  return std::max(1, count / (quality_ == BuildQuality::kFast ? kSampledFast : kSampled));
 }
 
 RefRange RangeSplitter::make_range(Index begin, Index end) const {
@@ -103,6 +104,10 @@ float RangeSplitter::measure(Float8 bounds, Float8 whole) const {
 }
 
 std::array<RefRange, 2> RangeSplitter::split(const RefRange& range, bool halve) {
+  if (quality_ == BuildQuality::kFast && range.size() <= kFewRefs) {
+    const Index middle = halve_few(range);
+    return {make_range(range.begin, middle), make_range(middle, range.end)};
+  }
   BinScale scale{};
   float extents[4];
   range.centres.low().store(scale.origin);
@@ -152,6 +157,17 @@ Index RangeSplitter::partition_parallel(Index begin, Index end, const LeftSide& 
     std::copy(scratch_.get() + begin + first, scratch_.get() + begin + last, refs_.get() + begin + first);
   });
   return middle;
+}
+
+/// Of more than eight primitives, along the widest axis; at a multiple of eight, so that leaf nodes are full.
+Index RangeSplitter::halve_few(const RefRange& range) {
+  float extents[4], origin[4];
+  extents_of(range.centres).store(extents);
+  range.centres.low().store(origin);
+  const int axis = static_cast<int>(std::max_element(extents, extents + 3) - extents);
+  const Index left = (range.size() + BvhNode::kWidth) / (2 * BvhNode::kWidth) * BvhNode::kWidth;
+  SELVAGE_DISPATCH(part_few_refs, refs_.get() + range.begin, range.size(), axis, origin[axis], left);
+  return range.begin + left;
 }
 
 Index RangeSplitter::halve_range(const RefRange& range) {

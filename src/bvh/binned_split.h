@@ -20,11 +20,11 @@ struct RefRange {
 };
 
 /// Splits ranges of primitives in two, so that the expected cost of a query is small (surface-area heuristic over 16
-/// bins of centres on each axis, in large ranges of a sample of primitives). Large ranges are split in parallel; the
-/// result is the same for any number of threads.
+/// bins of centres on each axis, in large ranges of a sample of primitives); where building counts most, small ranges
+/// in the middle. Large ranges are split in parallel; the result is the same for any number of threads.
 class RangeSplitter {
  public:
-  explicit RangeSplitter(std::span<const Box> boxes);
+  RangeSplitter(std::span<const Box> boxes, BuildQuality quality);
 
   RefRange make_range(Index begin, Index end) const;
 
@@ -45,7 +45,10 @@ class RangeSplitter {
   Index partition(const RefRange& range, const LeftSide& side);
   Index partition_parallel(Index begin, Index end, const LeftSide& side);
   Index halve_range(const RefRange& range);
+  Index halve_few(const RefRange& range);
+  Index sampling_step(Index count) const;
 
+  BuildQuality quality_;
   std::unique_ptr<PrimitiveRef[]> refs_;
   std::unique_ptr<PrimitiveRef[]> scratch_;
   bool flat_ = false;

@@ -57,11 +57,11 @@ float scale_for(float largest_extent) {
 
 }  // namespace
 
-Bvh::Bvh(std::span<const Box> boxes) {
+Bvh::Bvh(std::span<const Box> boxes, BuildQuality quality) {
   if (boxes.size() > static_cast<std::size_t>(std::numeric_limits<Index>::max()))
     throw Error("hierarchy", "more than 2^31 - 1 primitives", "split the mesh");
   if (boxes.empty()) return;
-  BvhTopology topology = build_topology(boxes);
+  BvhTopology topology = build_topology(boxes, quality);
   primitive_count_ = static_cast<Index>(boxes.size());
   nodes_ = std::move(topology.nodes);
   levels_ = std::move(topology.levels);

@@ -131,8 +131,8 @@ BvhNode make_node(const BuildNode& built, const RangeSplitter& splitter) {
 
 }  // namespace
 
-BvhTopology build_topology(std::span<const Box> boxes) {
-  RangeSplitter splitter(boxes);
+BvhTopology build_topology(std::span<const Box> boxes, BuildQuality quality) {
+  RangeSplitter splitter(boxes, quality);
   std::vector<Level> levels;
   std::vector<Index> level_starts = {0};
   std::vector<PendingNode> pending = {{0, static_cast<Index>(boxes.size()), kNone}};

@@ -13,6 +13,6 @@ struct BvhTopology {
 };
 
 /// Builds the nodes over at least one primitive.
-BvhTopology build_topology(std::span<const Box> boxes);
+BvhTopology build_topology(std::span<const Box> boxes, BuildQuality quality);
 
 }  // namespace selvage

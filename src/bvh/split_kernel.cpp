@@ -138,6 +138,27 @@ SplitPlane best_plane(const SplitBins& bins, float measure_scale, bool flat) {
   return best;
 }
 
+void part_few_refs(PrimitiveRef* refs, Index count, int axis, float origin, Index left) {
+  // Distances as integers, which compare like floats where these are not negative, with the place in the last bits.
+  std::int32_t keys[kFewRefs], ranks[kFewRefs] = {};
+  for (Index i = 0; i < kFewRefs; ++i) keys[i] = 0x7fffffff;
+  for (Index i = 0; i < count; ++i) {
+    const float distance = refs[i].lower[axis] - refs[i].negated_upper[axis] - origin;
+    const auto bits = __builtin_bit_cast(std::int32_t, distance > 0 ? distance : 0.0f);
+    keys[i] = (bits & ~(kFewRefs - 1)) | i;
+  }
+  const Index padded = (count + 15) & ~15;
+  for (Index i = 0; i < count; ++i)
+    for (Index k = 0; k < padded; ++k) ranks[k] += keys[i] < keys[k];
+  Index front = 0;
+  for (Index i = 0; i < count; ++i) {
+    const Float8 ref = bounds_of(refs[i]);
+    bounds_of(refs[front]).store(refs[i].lower);
+    ref.store(refs[front].lower);
+    front += ranks[i] < left;
+  }
+}
+
 Index partition_refs(PrimitiveRef* refs, Index count, const LeftSide& side) {
   Index left = 0;
   for (Index i = 0; i < count; ++i) {

@@ -108,6 +108,7 @@ CollisionReport find_collisions(const CheckOptions& options, MeshFile file, std:
   asked.method = culling_method(options.method);
   // One pose is compared in less time than it takes to find out where there is no need to.
   if (asked.method == CullingMethod::kAuto && options.end_mesh.empty()) asked.method = CullingMethod::kBvh;
+  asked.asked_once = true;
   asked.include_adjacent = options.adjacent;
   CheckProgress progress(options.common.quiet);
   asked.on_progress = [&](double share) { progress.show(share); };

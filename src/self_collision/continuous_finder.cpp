@@ -132,7 +132,7 @@ struct ContinuousCollisionFinder::State {
   }
 
   void build() {
-    bvh = Bvh(pose.boxes());
+    bvh = Bvh(pose.boxes(), options.asked_once ? BuildQuality::kFast : BuildQuality::kBest);
     if (is_culling()) pieces = SurfacePieces(mesh, bvh);
   }
 

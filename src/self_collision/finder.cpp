@@ -119,7 +119,7 @@ struct SelfCollisionFinder::State {
   }
 
   void build() {
-    bvh = Bvh(pose.boxes(mesh));
+    bvh = Bvh(pose.boxes(mesh), options.asked_once ? BuildQuality::kFast : BuildQuality::kBest);
     leaves = list_leaf_vertices(bvh, mesh.triangles());
     neighbours = list_neighbours(bvh, leaves);
     if (is_culling()) pieces = SurfacePieces(mesh, bvh);

@@ -16,7 +16,8 @@ namespace {
 using test::Boxes;
 using test::Random;
 
-constexpr Index kCounts[] = {1, 2, 7, 8, 9, 64, 65, 500, 3000};
+constexpr Index kCounts[] = {1, 2, 7, 8, 9, 17, 64, 65, 500, 3000};
+constexpr BuildQuality kQualities[] = {BuildQuality::kBest, BuildQuality::kFast};
 
 Box bounds_of(const BvhNode& node) {
   Box box = Box::empty();
@@ -71,19 +72,20 @@ INSTANTIATE_TEST_SUITE_P(All, BvhFamily, testing::ValuesIn(test::box_families())
 
 TEST_P(BvhFamily, NodesAreInOrderWhenBuiltAndWhenRefitted) {
   Random random(3);
-  for (const Index count : kCounts) {
-    const Boxes boxes = GetParam().make(count, random);
-    Bvh bvh(boxes);
-    ASSERT_EQ(bvh.primitive_count(), count);
-    ASSERT_NO_FATAL_FAILURE(check_nodes(bvh, boxes));
-    EXPECT_EQ(bvh.quality_loss(), 1);
-    const Boxes moved = test::moved_boxes(boxes, random);
-    bvh.refit(moved);
-    ASSERT_NO_FATAL_FAILURE(check_nodes(bvh, moved));
-    EXPECT_GT(bvh.quality_loss(), 0);
-    bvh.refit(boxes);
-    EXPECT_EQ(bvh.quality_loss(), 1);
-  }
+  for (const BuildQuality quality : kQualities)
+    for (const Index count : kCounts) {
+      const Boxes boxes = GetParam().make(count, random);
+      Bvh bvh(boxes, quality);
+      ASSERT_EQ(bvh.primitive_count(), count);
+      ASSERT_NO_FATAL_FAILURE(check_nodes(bvh, boxes));
+      EXPECT_EQ(bvh.quality_loss(), 1);
+      const Boxes moved = test::moved_boxes(boxes, random);
+      bvh.refit(moved);
+      ASSERT_NO_FATAL_FAILURE(check_nodes(bvh, moved));
+      EXPECT_GT(bvh.quality_loss(), 0);
+      bvh.refit(boxes);
+      EXPECT_EQ(bvh.quality_loss(), 1);
+    }
 }
 
 TEST_P(BvhFamily, RefitsFromBoxesThatTheCallerComputes) {
@@ -137,32 +139,59 @@ TEST(Bvh, IsTheSameForAnyNumberOfThreads) {
   // Large enough that ranges are split in parallel and levels are refitted in several chunks.
   const Boxes boxes = test::scaled_boxes(150000, random, 1, 0);
   const Boxes moved = test::moved_boxes(boxes, random);
-  std::vector<BvhNode> built, refitted;
-  double quality_loss = 0;
-  for (const int threads : {1, 2, 4}) {
-    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    Bvh bvh(boxes);
-    const std::vector<BvhNode> nodes(bvh.nodes().begin(), bvh.nodes().end());
-    bvh.refit(moved);
-    const std::vector<BvhNode> nodes_moved(bvh.nodes().begin(), bvh.nodes().end());
-    if (threads == 1) {
-      built = nodes;
-      refitted = nodes_moved;
-      quality_loss = bvh.quality_loss();
+  for (const BuildQuality quality : kQualities) {
+    std::vector<BvhNode> built, refitted;
+    double quality_loss = 0;
+    for (const int threads : {1, 2, 4}) {
+      const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+      Bvh bvh(boxes, quality);
+      const std::vector<BvhNode> nodes(bvh.nodes().begin(), bvh.nodes().end());
+      bvh.refit(moved);
+      const std::vector<BvhNode> nodes_moved(bvh.nodes().begin(), bvh.nodes().end());
+      if (threads == 1) {
+        built = nodes;
+        refitted = nodes_moved;
+        quality_loss = bvh.quality_loss();
+      }
+      ASSERT_EQ(nodes.size(), built.size());
+      EXPECT_EQ(std::memcmp(nodes.data(), built.data(), nodes.size() * sizeof(BvhNode)), 0) << threads;
+      EXPECT_EQ(std::memcmp(nodes_moved.data(), refitted.data(), nodes.size() * sizeof(BvhNode)), 0) << threads;
+      EXPECT_EQ(bvh.quality_loss(), quality_loss) << threads;
     }
-    ASSERT_EQ(nodes.size(), built.size());
-    EXPECT_EQ(std::memcmp(nodes.data(), built.data(), nodes.size() * sizeof(BvhNode)), 0) << threads;
-    EXPECT_EQ(std::memcmp(nodes_moved.data(), refitted.data(), nodes.size() * sizeof(BvhNode)), 0) << threads;
-    EXPECT_EQ(bvh.quality_loss(), quality_loss) << threads;
+    ASSERT_NO_FATAL_FAILURE(check_nodes(Bvh(boxes, quality), boxes));
   }
-  ASSERT_NO_FATAL_FAILURE(check_nodes(Bvh(boxes), boxes));
 }
 
 TEST(Bvh, FillsItsNodes) {
   Random random(7);
-  for (const test::BoxFamily& family : test::box_families()) {
-    const Bvh bvh(family.make(5000, random));
-    EXPECT_GE(5000.0 / static_cast<double>(bvh.nodes().size()), 3.5) << family.name;
+  for (const BuildQuality quality : kQualities)
+    for (const test::BoxFamily& family : test::box_families()) {
+      const Bvh bvh(family.make(5000, random), quality);
+      EXPECT_GE(5000.0 / static_cast<double>(bvh.nodes().size()), 3.5) << family.name;
+    }
+}
+
+/// The area of all nodes but the root.
+double area_of_nodes(const Bvh& bvh) {
+  double area = 0;
+  for (const BvhNode& node : bvh.nodes())
+    for (int i = 0; i < node.child_count && node.children[i] < 0; ++i) {
+      const Box box = node.box(i);
+      double e[3];
+      for (int axis = 0; axis < 3; ++axis) e[axis] = double{box.upper[axis]} - box.lower[axis];
+      area += e[0] * e[1] + e[1] * e[2] + e[2] * e[0];
+    }
+  return area;
+}
+
+TEST(Bvh, BuiltFastIsNearlyAsGood) {
+  Random random(10);
+  for (const Index count : {200, 3000, 30000}) {
+    const Boxes boxes = test::make_boxes(count, [&](Index) {
+      return test::make_box(random.unit(), random.unit(), 0.1 * random.unit(), 0.004, 0.004, 0.004);
+    });
+    const double best = area_of_nodes(Bvh(boxes)), fast = area_of_nodes(Bvh(boxes, BuildQuality::kFast));
+    EXPECT_LT(fast, 1.25 * best) << count;
   }
 }
 

@@ -89,11 +89,13 @@ TEST_P(Continuous, PairsAreThoseOfAllPairs) {
     const TriangleMesh mesh = surface.mesh();
     const Positions end = step_from(surface, n, random);
     const ContinuousPairs expected = all_pairs(mesh, surface.positions, end);
-    const ContinuousCollisionFinder finder(mesh, surface.positions, end);
-    const ContinuousPairs found = finder.find_pairs();
-    ASSERT_EQ(found.vertex_face, expected.vertex_face) << n;
-    ASSERT_EQ(found.edge_edge, expected.edge_edge) << n;
-    ASSERT_EQ(finder.has_pairs(), !expected.empty()) << n;
+    for (const bool asked_once : {false, true}) {
+      const ContinuousCollisionFinder finder(mesh, surface.positions, end, {.asked_once = asked_once});
+      const ContinuousPairs found = finder.find_pairs();
+      ASSERT_EQ(found.vertex_face, expected.vertex_face) << n;
+      ASSERT_EQ(found.edge_edge, expected.edge_edge) << n;
+      ASSERT_EQ(finder.has_pairs(), !expected.empty()) << n;
+    }
   }
 }
 

@@ -28,6 +28,12 @@ struct alignas(64) BvhNode {
 };
 static_assert(sizeof(BvhNode) == 256);
 
+/// What a hierarchy is built for. Queries give the same answers either way.
+enum class BuildQuality : std::uint8_t {
+  kBest,  ///< to be searched or refitted many times
+  kFast,  ///< to be searched once: built in less time than the search then takes longer
+};
+
 /// Bounding-volume hierarchy over boxes of primitives: eight-wide nodes, one primitive a leaf slot.
 ///
 /// Nodes are stored level by level, the root first, so that children come after their parents and a refit is one linear
@@ -36,7 +42,8 @@ static_assert(sizeof(BvhNode) == 256);
 ///
 /// Built with a binned surface-area heuristic, in parallel; the same tree for any number of threads. A sort along a
 /// Morton curve would build faster, but gives trees that take up to three times longer to search, and here a tree is
-/// searched and refitted far more often than it is built. Spatial splits would store a primitive twice, which a refit
+/// searched and refitted far more often than it is built. Where it is not, `BuildQuality::kFast` looks at fewer
+/// primitives of large ranges, and halves small ones. Spatial splits would store a primitive twice, which a refit
 /// and a self-overlap cannot use.
 class Bvh {
  public:
@@ -47,7 +54,7 @@ class Bvh {
 
   /// @param boxes  one box per primitive
   /// @throws Error when there are more than 2^31 - 1
-  explicit Bvh(std::span<const Box> boxes);
+  explicit Bvh(std::span<const Box> boxes, BuildQuality quality = BuildQuality::kBest);
 
   /// Takes new boxes for the same primitives: one linear pass, parallel within each level. O(n).
   /// @throws Error when the number of boxes is not primitive_count()

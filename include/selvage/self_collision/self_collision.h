@@ -43,6 +43,9 @@ struct SelfCollisionOptions {
   /// discrete queries; continuous ones have no such pairs.
   bool include_adjacent = false;
 
+  /// The surface is asked about one pose or step, not about many: spend less on the hierarchy, and more on the search.
+  bool asked_once = false;
+
   PairFilters filters;
 
   /// (n_vertices) thickness of the surface at each vertex [m]; empty: none. That of a triangle or an edge is its
