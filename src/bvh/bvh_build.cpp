@@ -76,6 +76,11 @@ struct ChildRanges {
 /// Splits the range of largest surface until there are eight ranges or none has more than eight primitives (those are
 /// full leaf nodes), then fills what is left with the primitives of small ranges, which saves their nodes.
 BuildNode split_node(RangeSplitter& splitter, const PendingNode& pending, bool halve) {
+  if (const Index size = pending.end - pending.begin; size <= kWidth) {
+    BuildNode leaf{pending.parent, size, 0, {}};
+    for (int i = 0; i <= size; ++i) leaf.begin[i] = pending.begin + i;
+    return leaf;
+  }
   const RefRange whole = splitter.make_range(pending.begin, pending.end);
   ChildRanges children;
   children.add(whole, 1);
@@ -113,9 +118,8 @@ Level build_level(RangeSplitter& splitter, std::vector<PendingNode>& pending, In
   return level;
 }
 
-/// Child nodes first, then primitives.
-BvhNode make_node(const BuildNode& built, const RangeSplitter& splitter) {
-  BvhNode node{};
+/// Child nodes first, then primitives. Sets what is not 0.
+void make_node(const BuildNode& built, const RangeSplitter& splitter, BvhNode& node) {
   node.parent = built.parent;
   node.child_count = built.child_count;
   int slot = 0;
@@ -126,7 +130,6 @@ BvhNode make_node(const BuildNode& built, const RangeSplitter& splitter) {
     }
   for (int child = 0; child < built.child_count; ++child)
     if (built.is_leaf(child)) node.children[slot++] = splitter.primitive(built.begin[child]);
-  return node;
 }
 
 }  // namespace
@@ -146,7 +149,7 @@ BvhTopology build_topology(std::span<const Box> boxes, BuildQuality quality) {
   std::vector<BvhNode> nodes(level_starts.back());
   for (std::size_t level = 0; level < levels.size(); ++level)
     parallel_for(static_cast<std::int64_t>(levels[level].size()), 1024,
-                 [&](std::int64_t i) { nodes[level_starts[level] + i] = make_node(levels[level][i], splitter); });
+                 [&](std::int64_t i) { make_node(levels[level][i], splitter, nodes[level_starts[level] + i]); });
   return {std::move(nodes), std::move(level_starts), splitter.flat(), splitter.largest_extent()};
 }
 
