@@ -141,7 +141,8 @@ struct ContinuousCollisionFinder::State {
 
   void cull() {
     if (!is_culling()) return;
-    spared = spare_pairs<2>(options, bvh, pieces, {pose.positions_t0(), pose.positions_t1()}, graph_test);
+    spared =
+        spare_pairs<2>(options, bvh, pieces, {pose.positions_t0(), pose.positions_t1()}, graph_test, pose.rounded());
   }
 
   void update(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {

@@ -1,6 +1,6 @@
 #include "self_collision/contour_kernel.h"
 
-#include "selvage/core/simd.h"
+#include "self_collision/motion_filter.h"
 
 #include <limits>
 
@@ -253,6 +253,40 @@ SELVAGE_INLINE void fit(const PlanarLoops<kSteps>& loops) {
 }
 
 }  // namespace
+
+void measure_moving_areas(const MovingRow* positions, const VertexTuple<3>* triangles, Index first, Index last,
+                          const MovingAreaRows& areas) {
+  const auto size = [](const WideCorner& a) { return magnitude(a.x) + magnitude(a.y) + magnitude(a.z); };
+  const auto size_of_both = [&](const MovingCorner& a) { return max(size(a.start), size(a.end)); };
+  for (Index place = first; place < last; place += kWidth) {
+    Index vertices[3][kWidth];
+    for (int lane = 0; lane < kWidth; ++lane) {
+      const Index t = place + lane < last ? place + lane : last - 1;
+      for (int k = 0; k < 3; ++k) vertices[k][lane] = triangles[t][k];
+    }
+    const MovingCorner origin = gather_moving(positions, vertices[0]);
+    const MovingCorner e = gather_moving(positions, vertices[1]) - origin;
+    const MovingCorner f = gather_moving(positions, vertices[2]) - origin;
+    const WideCorner a = cross(e.start, f.end), b = cross(e.end, f.start);
+    const Float8 half = wide(0.5f);
+    const WideCorner coefficients[3] = {
+        cross(e.start, f.start), {(a.x + b.x) * half, (a.y + b.y) * half, (a.z + b.z) * half}, cross(e.end, f.end)};
+    // Each component of an edge is off by two roundings of positions and its own, and each product by both of its
+    // factors' errors: summed over the components of the cross product, twice the one edge's for each unit of the
+    // other's size, and six times the product of both. The rest is what products and sums round off, here and in a dot
+    // product.
+    const Float8 size_e = size_of_both(e), size_f = size_of_both(f);
+    const Float8 error = (size_e + size_f) * wide(4.1f * kFrameRounding) + size_e * size_f * wide(0x1p-20f) +
+                         wide(32 * kFrameRounding * kFrameRounding);
+    for (int c = 0; c < 3; ++c) {
+      const WideCorner& area = coefficients[c];
+      area.x.store(areas.rows[c][0] + place);
+      area.y.store(areas.rows[c][1] + place);
+      area.z.store(areas.rows[c][2] + place);
+      error.store(areas.rows[c][3] + place);
+    }
+  }
+}
 
 void mark_contour(const Index* opposite, Index first, Index last, char* marks) {
   const auto count = static_cast<std::uint32_t>(last - first);

@@ -126,9 +126,10 @@ ProjectionPlane plane_across(const Vec3& direction) {
 }
 
 template <int kSteps>
-void GraphTest<kSteps>::take(SurfacePieces& pieces, const Poses& poses) {
+void GraphTest<kSteps>::take(SurfacePieces& pieces, const Poses& poses, Rounded rounded) {
   pieces_ = &pieces;
   poses_ = poses;
+  rounded_ = rounded;
   const std::size_t count = pieces.triangles().size();
   for (auto& coefficient : areas_)
     for (auto& row : coefficient) row.resize(count + EdgeBlock::kWidth);  // whole blocks are read
@@ -142,7 +143,8 @@ void GraphTest<kSteps>::measure(SurfacePieces::Range places) {
   parallel_ranges(last_group - first_group, kGroupsAtOnce, [&](std::int64_t first, std::int64_t last) {
     for (std::int64_t i = first; i < last; ++i) {
       const Index place = (first_group + static_cast<Index>(i)) * kGroup;
-      compute_areas(place, count - place < kGroup ? count : place + kGroup);
+      const Index end = count - place < kGroup ? count : place + kGroup;
+      rounded_.empty() ? compute_areas(place, end) : compute_areas_in_frame(place, end);
     }
   });
 }
@@ -166,6 +168,21 @@ void GraphTest<kSteps>::compute_areas(Index first, Index last) {
       store_area(areas_[1], place, average(cross_product(e[0], f[1]), cross_product(e[1], f[0])));
   }
   group_areas_[first / kGroup] = sum;
+}
+
+/// Eight by eight, from floats.
+template <int kSteps>
+void GraphTest<kSteps>::compute_areas_in_frame(Index first, Index last) {
+  if constexpr (kSteps == 2) {
+    MovingAreaRows areas;
+    for (int c = 0; c < 3; ++c)
+      for (int k = 0; k < 4; ++k) areas.rows[c][k] = areas_[c][k].data();
+    SELVAGE_DISPATCH(measure_moving_areas, rounded_.data(), pieces_->triangles().data(), first, last, areas);
+    Vec3 sum = Vec3::Zero();
+    for (int k = 0; k < 3; ++k)
+      for (Index place = first; place < last; ++place) sum[k] += areas_[0][k][place] + areas_[2][k][place];
+    group_areas_[first / kGroup] = sum;
+  }
 }
 
 template <int kSteps>

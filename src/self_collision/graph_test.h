@@ -17,15 +17,20 @@ class GraphTest {
  public:
   using Poses = std::array<std::span<const Vec3>, kSteps>;
 
+  /// What a step looks like in a frame; nothing for one pose.
+  using Rounded = std::span<const MovingRow>;
+
   /// Takes new poses: O(n), parallel. Keeps references to what it is given; pieces learn their
   /// contours as they are asked for.
-  void place(SurfacePieces& pieces, const Poses& poses) {
-    take(pieces, poses);
+  ///
+  /// @param rounded  where poses are those of a step, the same in a frame; faster than without
+  void place(SurfacePieces& pieces, const Poses& poses, Rounded rounded = {}) {
+    take(pieces, poses, rounded);
     measure({0, static_cast<Index>(pieces.triangles().size())});
   }
 
   /// The same in two parts: what has not been measured since poses were taken must not be asked.
-  void take(SurfacePieces& pieces, const Poses& poses);
+  void take(SurfacePieces& pieces, const Poses& poses, Rounded rounded = {});
   void measure(SurfacePieces::Range places);
 
   /// Memory of one thread.
@@ -53,11 +58,13 @@ class GraphTest {
  private:
   static constexpr int kCoefficients = 2 * kSteps - 1;
   void compute_areas(Index first, Index last);
+  void compute_areas_in_frame(Index first, Index last);
   PlanarLoops<kSteps> project_contours(const SurfacePieces::Contours& contours, const ProjectionPlane& plane,
                                        Workspace& workspace) const;
 
   SurfacePieces* pieces_ = nullptr;
   Poses poses_;
+  Rounded rounded_;
   std::array<std::array<std::vector<float>, 4>, kCoefficients> areas_;
   std::vector<Vec3> group_areas_;  ///< of consecutive triangles together
 };

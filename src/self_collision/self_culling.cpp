@@ -112,12 +112,13 @@ void spare_as_published(bool simple_traversal, const Bvh& bvh, SurfacePieces& pi
 
 template <int kSteps>
 SparedPairs spare_pairs(const SelfCollisionOptions& options, const Bvh& bvh, SurfacePieces& pieces,
-                        const typename GraphTest<kSteps>::Poses& poses, GraphTest<kSteps>& test) {
+                        const typename GraphTest<kSteps>::Poses& poses, GraphTest<kSteps>& test,
+                        std::span<const MovingRow> rounded) {
   const CullingMethod method = options.method;
   SparedPairs spared;
   if (method == CullingMethod::kBvh || bvh.nodes().empty()) return spared;
   if (method == CullingMethod::kAuto) {
-    test.take(pieces, poses);
+    test.take(pieces, poses, rounded);
     if (!is_worth_asking(pieces, test)) return spared;
     test.measure({0, static_cast<Index>(pieces.triangles().size())});
     clear_from_root<typename GraphTest<kSteps>::Workspace>(
@@ -159,8 +160,8 @@ SparedPairs spare_pairs(const SelfCollisionOptions& options, const Bvh& bvh, Sur
 }
 
 template SparedPairs spare_pairs<1>(const SelfCollisionOptions&, const Bvh&, SurfacePieces&, const GraphTest<1>::Poses&,
-                                    GraphTest<1>&);
+                                    GraphTest<1>&, std::span<const MovingRow>);
 template SparedPairs spare_pairs<2>(const SelfCollisionOptions&, const Bvh&, SurfacePieces&, const GraphTest<2>::Poses&,
-                                    GraphTest<2>&);
+                                    GraphTest<2>&, std::span<const MovingRow>);
 
 }  // namespace selvage

@@ -40,9 +40,11 @@ struct SparedPairs {
 /// parallel; the same for any number of threads. The methods are those of docs/self_collision_cones.md; nothing for
 /// kBvh.
 ///
-/// @param test  memory to use again for every pose
+/// @param test     memory to use again for every pose
+/// @param rounded  a step as seen in a frame (see GraphTest)
 template <int kSteps>
 SparedPairs spare_pairs(const SelfCollisionOptions& options, const Bvh& bvh, SurfacePieces& pieces,
-                        const typename GraphTest<kSteps>::Poses& poses, GraphTest<kSteps>& test);
+                        const typename GraphTest<kSteps>::Poses& poses, GraphTest<kSteps>& test,
+                        std::span<const MovingRow> rounded = {});
 
 }  // namespace selvage

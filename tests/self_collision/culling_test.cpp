@@ -1,6 +1,7 @@
 #include "self_collision/culling_surfaces.h"
 #include "self_collision/graph_test.h"
 #include "self_collision/published_enhanced.h"
+#include "self_collision/swept_pose.h"
 #include "selvage/self_collision/self_collision.h"
 #include "test_scale.h"
 
@@ -343,22 +344,30 @@ std::vector<Vec3> between(std::span<const Vec3> from, std::span<const Vec3> to, 
 // Over a step: a piece that is a graph all the time holds no pair at any time.
 TEST(GraphTest, NoMovingGraphHoldsAPairAtAnyTime) {
   Random random(19);
-  std::int64_t graphs = 0;
+  std::int64_t graphs = 0, graphs_in_frame = 0;
   for (std::int64_t n = 0; n < scaled(150); ++n) {
     const Surface surface = surfaces::waved_sheet(random);
     const Surface end = surfaces::jittered(surface, random.unit() * random.unit(), random);
     Scene scene(surface);
-    GraphTest<2> moving;
+    GraphTest<2> moving, moving_in_frame;
     GraphTest<2>::Workspace workspace;
     moving.place(scene.pieces, {scene.positions, end.positions});
+    PositionExtent<3> both = extent_of<3>(std::span<const Vec3>(scene.positions));
+    both.add(extent_of<3>(std::span<const Vec3>(end.positions)));
+    SweptPose pose;
+    pose.place(scene.mesh, scene.positions, end.positions, {}, frame_around(both));
+    moving_in_frame.place(scene.pieces, {scene.positions, end.positions}, pose.rounded());
     const std::vector<Index> place = places(scene.bvh);
     std::vector<Pairs> pairs;
     for (const double t : {0.0, 0.2, 0.5, 0.7, 1.0})
       pairs.push_back(
           pairs_by(CullingMethod::kBvh, {between(surface.positions, end.positions, t), surface.triangles}, true));
     for (Index node = 0; node < static_cast<Index>(scene.bvh.nodes().size()); ++node) {
-      if (!moving.is_graph(node, workspace)) continue;
-      ++graphs;
+      const bool is_graph = moving.is_graph(node, workspace);
+      const bool is_graph_in_frame = moving_in_frame.is_graph(node, workspace);
+      graphs += is_graph;
+      graphs_in_frame += is_graph_in_frame;
+      if (!is_graph && !is_graph_in_frame) continue;
       const auto range = scene.pieces.ranges()[node];
       for (const Pairs& at_one_time : pairs)
         for (const TrianglePair& pair : at_one_time)
@@ -366,6 +375,7 @@ TEST(GraphTest, NoMovingGraphHoldsAPairAtAnyTime) {
     }
   }
   EXPECT_GT(graphs, scaled(150));
+  EXPECT_GT(graphs_in_frame, 0.98 * static_cast<double>(graphs));
 }
 
 // A square turned over within the step: a graph at both ends, and flat against an edge between.
