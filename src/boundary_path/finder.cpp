@@ -154,6 +154,11 @@ void BoundaryPathFinder<D>::State::check(std::span<const PathQuery<D>> queries, 
 /// they are near some boundary face in the mesh, and that one is near the others'.
 template <int D>
 std::vector<Index> BoundaryPathFinder<D>::State::order_in_groups(std::span<const PathQuery<D>> queries) const {
+  if (queries.size() <= kPointGroup) {
+    std::vector<Index> order(queries.size());
+    std::iota(order.begin(), order.end(), 0);
+    return order;
+  }
   std::vector<std::array<float, 6>> places(queries.size());
   for (std::size_t k = 0; k < queries.size(); ++k) {
     places[k] = {};

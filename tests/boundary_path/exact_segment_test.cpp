@@ -89,6 +89,38 @@ TEST(ExactSegment, FlatFacesBesideTheLineAreNotMet) {
   EXPECT_FALSE(along_x.touches_within_reach({Vec3(-1.5, 0, 0), Vec3(-4, 1, 0), Vec3(-5, 0, 0)}));
 }
 
+// Points that lie on the line, or on a plane through it, but for rounding; and edges through p.
+TEST(ExactSegment, SidesAreThoseOfRationals) {
+  test::Random random(test::seed(9));
+  const std::int64_t count = test::scaled(6000);
+  const auto rational = [](const Vec3& x) { return oracle::to_rational<3>(x); };
+  for (std::int64_t i = 0; i < count; ++i) {
+    const double scale = std::ldexp(1.0, random.below(10) == 0 ? random.below(240) - 120 : 0);
+    TargetSimplex<3> target;
+    target.count = 1 + random.below(3);
+    for (Vec3& x : target.vertices) x = scale * random.vector(1);
+    Vec3 p = scale * random.vector(1);
+    if (random.below(3) == 0) p = target.vertices[0] + std::pow(10.0, -random.within(0, 18)) * scale * random.vector(1);
+    using oracle::operator-;
+    const auto v = rational(target.vertices[0]) - rational(p),
+               e = rational(target.vertices[1]) - rational(target.vertices[0]);
+    const auto n = oracle::cross(e, rational(target.vertices[2]) - rational(target.vertices[0]));
+    auto direction = v;
+    for (int k = 0; k < 3; ++k) {
+      if (target.count == 2) direction[k] = v[k] * oracle::dot(e, e) - e[k] * oracle::dot(v, e);
+      if (target.count == 3) direction[k] = n[k] * oracle::dot(n, v);
+    }
+    if (oracle::dot(direction, direction) == 0) continue;
+    Vec3 along;
+    for (int k = 0; k < 3; ++k) along[k] = static_cast<double>(direction[k] / oracle::dot(direction, direction));
+    along *= scale / along.cwiseAbs().maxCoeff();
+    Vec3 a = p + random.within(-2, 2) * along, b = p + scale * random.vector(1);
+    if (random.below(2) == 0) a = p - random.unit() * (b - p);  // an edge through p, but for rounding
+    const oracle::Rational side = oracle::determinant(direction, rational(a) - rational(p), rational(b) - rational(p));
+    ASSERT_EQ((ExactSegment<3>(p, target).side({a, b})), side.sign()) << i;
+  }
+}
+
 /// s - p and the weights of s, for the foot of the perpendicular from p on a triangle's plane or an edge's line.
 struct RationalOffset {
   oracle::RationalVec<3> offset;
