@@ -90,7 +90,9 @@ TEST_P(Continuous, PairsAreThoseOfAllPairs) {
     const Positions end = step_from(surface, n, random);
     const ContinuousPairs expected = all_pairs(mesh, surface.positions, end);
     for (const bool asked_once : {false, true}) {
-      const ContinuousCollisionFinder finder(mesh, surface.positions, end, {.asked_once = asked_once});
+      SelfCollisionOptions options;
+      options.asked_once = asked_once;
+      const ContinuousCollisionFinder finder(mesh, surface.positions, end, options);
       const ContinuousPairs found = finder.find_pairs();
       ASSERT_EQ(found.vertex_face, expected.vertex_face) << n;
       ASSERT_EQ(found.edge_edge, expected.edge_edge) << n;
