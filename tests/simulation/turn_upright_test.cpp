@@ -26,6 +26,12 @@ std::vector<Vec3> shaken(const std::vector<Vec3>& positions, double by, unsigned
   return result;
 }
 
+/// One corner is pushed far into the block.
+struct PiercedBlock : Block {
+  std::vector<Vec3> pierced = rest;
+  PiercedBlock() { pierced[0] = Vec3(0.6, 0.6, 0.6); }
+};
+
 TEST(TurnUpright, LeavesAloneWhatIsUpright) {
   const Block block;
   std::vector<Vec3> positions = shaken(block.rest, 0.01, 1);
@@ -35,10 +41,9 @@ TEST(TurnUpright, LeavesAloneWhatIsUpright) {
 }
 
 TEST(TurnUpright, TurnsBackAVertexPushedThroughTheBlockAndMovesNothingFarAway) {
-  const Block block;
-  std::vector<Vec3> positions = block.rest;
-  positions[0] = Vec3(0.6, 0.6, 0.6);
-  const std::vector<Vec3> before = positions;
+  const PiercedBlock block;
+  std::vector<Vec3> positions = block.pierced;
+  const std::vector<Vec3>& before = block.pierced;
   const std::vector<Index> inverted = find_inverted(block.mesh, positions);
   ASSERT_FALSE(inverted.empty());
   EXPECT_TRUE(turn_upright(block.mesh, block.rest, inverted, block.anywhere, positions).empty());
@@ -73,10 +78,9 @@ TEST(TurnUpright, TurnsWhatIsAlmostFlatAtRest) {
 }
 
 TEST(TurnUpright, MovesOnlyWhatMayGo) {
-  const Block block;
-  std::vector<Vec3> positions = block.rest;
-  positions[0] = Vec3(0.6, 0.6, 0.6);
-  const std::vector<Vec3> before = positions;
+  const PiercedBlock block;
+  std::vector<Vec3> positions = block.pierced;
+  const std::vector<Vec3>& before = block.pierced;
   const std::vector<Index> inverted = find_inverted(block.mesh, positions);
   std::vector<std::uint8_t> is_free(positions.size(), 0);
   const Freedom near{is_free, before, 0.1};
