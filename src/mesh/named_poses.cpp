@@ -5,6 +5,7 @@
 #include <array>
 
 #include "selvage/core/error.h"
+#include "selvage/geometry/predicates.h"
 #include "selvage/mesh/poses.h"
 #include "selvage/mesh/shapes.h"
 
@@ -84,7 +85,9 @@ std::span<const std::string_view> pose_names() {
   return kPoseNames;
 }
 
-void apply_pose(MeshFile& mesh, std::string_view name, const PoseOptions& options) {
+namespace {
+
+void move_by_name(MeshFile& mesh, std::string_view name, const PoseOptions& options) {
   OptionReader option(mesh, options);
   if (name == "twist") {
     const int axis = option.axis();
@@ -118,6 +121,41 @@ void apply_pose(MeshFile& mesh, std::string_view name, const PoseOptions& option
     throw Error("pose", fmt::format("there is no pose '{}'", name),
                 fmt::format("use one of {}", fmt::join(kPoseNames, ", ")));
   }
+}
+
+/// Elements that are positive with the vertices `before`, and with `after` no more: how many, and the first.
+struct TurnedElements {
+  Index count = 0, first = kNone;
+};
+
+TurnedElements find_turned(std::span<const VertexTuple<4>> elements, std::span<const Vec3> before,
+                           std::span<const Vec3> after) {
+  TurnedElements turned;
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    const auto is_positive = [&](std::span<const Vec3> p) {
+      const VertexTuple<4>& v = elements[e];
+      return orient3d(p[v[0]], p[v[1]], p[v[2]], p[v[3]]) > 0;
+    };
+    if (is_positive(after) || !is_positive(before)) continue;
+    if (turned.count++ == 0) turned.first = static_cast<Index>(e);
+  }
+  return turned;
+}
+
+}  // namespace
+
+void apply_pose(MeshFile& mesh, std::string_view name, const PoseOptions& options) {
+  std::vector<Vec3> before = mesh.positions;
+  const std::size_t element_count = mesh.tetrahedra.size();
+  move_by_name(mesh, name, options);
+  // The maps keep the orientation of space; an element that is large against a bend can still turn over.
+  const TurnedElements turned = find_turned(std::span(mesh.tetrahedra).first(element_count), before, mesh.positions);
+  if (turned.count == 0) return;
+  mesh.positions = std::move(before);
+  throw Error("pose",
+              fmt::format("'{}' would turn {} of {} elements inside out, the first of them element {}", name,
+                          turned.count, element_count, turned.first),
+              "turn or bend the mesh less, or give it smaller elements");
 }
 
 std::span<const TangledExample> tangled_examples() {

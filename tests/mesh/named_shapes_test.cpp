@@ -139,6 +139,16 @@ TEST(NamedPosesRefuse, WhatTheyDoNotHave) {
   EXPECT_EQ(mesh.positions, make_shape("beam").positions) << "a refused pose moves nothing";
 }
 
+TEST(NamedPosesRefuse, ElementsTooLargeForABend) {
+  const auto twist = [](MeshFile& mesh) { apply_pose(mesh, "twist", {.turns = 2}); };
+  MeshFile coarse = make_shape("noodle", {.elements = 2000}), fine = make_shape("noodle", {.elements = 20000});
+  const std::vector<Vec3> before = coarse.positions;
+  EXPECT_NE(refusal([&] { twist(coarse); }).find("inside out, the first of them element"), std::string::npos);
+  EXPECT_EQ(coarse.positions, before) << "a refused pose moves nothing";
+  twist(fine);
+  EXPECT_EQ(test::count_not_positive(fine), 0);
+}
+
 TEST(Demonstration, AnOctopusOfThirtyThousandAndANoodleTangle) {
   MeshFile octopus = make_shape("octopus", {.elements = 30000});
   EXPECT_NEAR(static_cast<double>(octopus.tetrahedra.size()), 30000, 3000);

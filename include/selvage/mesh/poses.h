@@ -60,7 +60,8 @@ std::span<const std::string_view> pose_names();
 
 /// Poses a mesh by name. Two of the names do more than the map of that name: `twist` also lets the mesh throw one loop
 /// through itself, as a twisted rope does; `overlap` adds a copy of the mesh as a second object, moved by the offset.
-/// @throws Error  for an unknown name, an option that the pose does not have, or arguments that the pose refuses
+/// @throws Error  for an unknown name, an option that the pose does not have, arguments that the pose refuses, and when
+///                a tetrahedron would turn over or be flattened; the mesh is as it was then
 void apply_pose(MeshFile& mesh, std::string_view name, const PoseOptions& options = {});
 
 /// A shape and a pose by whose defaults the shape runs into itself with no element inverted.
