@@ -95,41 +95,56 @@ void append_fans(typename PathTopology<D>::Fans& all, typename PathTopology<D>::
   piece = {};
 }
 
-/// Lists fans piece by piece in parallel, in order: `collect(item, link, add)` calls add(ridge, element). Without the
-/// sentinel.
-template <int D, typename Collect>
-typename PathTopology<D>::Fans collect_fans(std::int64_t items, Collect&& collect) {
-  using Fans = typename PathTopology<D>::Fans;
+/// Fans of some kinds, one kind after the other, without the sentinel; and where each kind ends.
+template <int D, int kKinds>
+struct SortedFans {
+  typename PathTopology<D>::Fans all;
+  std::array<std::int64_t, kKinds> ends;
+};
+
+/// Lists fans piece by piece in parallel, in order: `collect(item, link, add)` calls add(kind, ridge, element).
+template <int D, int kKinds, typename Collect>
+SortedFans<D, kKinds> collect_fans(std::int64_t items, Collect&& collect) {
   constexpr std::int64_t kItemsAtOnce = 1 << 14;
-  std::vector<Fans> pieces((items + kItemsAtOnce - 1) / kItemsAtOnce);
-  parallel_for(std::ssize(pieces), 1, [&](std::int64_t k) {
+  using Pieces = std::vector<typename PathTopology<D>::Fans>;
+  std::array<Pieces, kKinds> pieces;
+  pieces.fill(Pieces((items + kItemsAtOnce - 1) / kItemsAtOnce));
+  parallel_for(std::ssize(pieces[0]), 1, [&](std::int64_t k) {
     std::vector<Index> link;
-    const auto add = [&](const VertexTuple<D - 1>& ridge, Index element) {
-      pieces[k].fans.push_back({ridge, element, std::ssize(pieces[k].links)});
-      pieces[k].links.insert(pieces[k].links.end(), link.begin(), link.end());
+    const auto add = [&](int kind, const VertexTuple<D - 1>& ridge, Index element) {
+      auto& piece = pieces[kind][k];
+      piece.fans.push_back({ridge, element, std::ssize(piece.links)});
+      piece.links.insert(piece.links.end(), link.begin(), link.end());
     };
     for (std::int64_t i = k * kItemsAtOnce; i < std::min((k + 1) * kItemsAtOnce, items); ++i)
       collect(static_cast<Index>(i), link, add);
   });
-  Fans all;
-  for (Fans& piece : pieces) append_fans<D>(all, piece);
-  return all;
+  SortedFans<D, kKinds> sorted;
+  for (int kind = 0; kind < kKinds; ++kind) {
+    for (auto& piece : pieces[kind]) append_fans<D>(sorted.all, piece);
+    sorted.ends[kind] = std::ssize(sorted.all.fans);
+  }
+  return sorted;
 }
 
-/// Those with all vertices on the boundary (`spanning`), or the others.
+/// First those with all vertices on the boundary, then the others.
 template <int D>
-typename PathTopology<D>::Fans collect_interior_fans(const SimplexMesh<D>& mesh,
-                                                     std::span<const std::uint8_t> is_on_boundary, bool spanning) {
+SortedFans<D, 2> collect_interior_fans(const SimplexMesh<D>& mesh, std::span<const std::uint8_t> is_on_boundary) {
   constexpr std::size_t kFewest = 5;
-  return collect_fans<D>(mesh.element_count(), [&](Index e, std::vector<Index>& link, auto&& add) {
+  return collect_fans<D, 2>(mesh.element_count(), [&](Index e, std::vector<Index>& link, auto&& add) {
     const auto& v = mesh.elements()[e];
+    std::array<bool, D + 1> may_lead;  // the face opposite to each vertex, to an element with a larger index
+    for (int i = 0; i <= D; ++i) {
+      const HalfFace across{mesh.neighbours()[e][i]};
+      may_lead[i] = across.exists() && across.element() > e;
+    }
     for (const auto& r : ridges_of_element<D>()) {
+      if (!may_lead[r[D - 1]] || !may_lead[r[D]]) continue;
+      if (!collect_interior_link(mesh, e, v[r[D - 1]], v[r[D]], link) || link.size() < kFewest) continue;
       VertexTuple<D - 1> ridge;
       for (int i = 0; i < D - 1; ++i) ridge[i] = v[r[i]];
-      if (std::all_of(ridge.begin(), ridge.end(), [&](Index w) { return is_on_boundary[w] != 0; }) != spanning)
-        continue;
-      if (!collect_interior_link(mesh, e, v[r[D - 1]], v[r[D]], link) || link.size() < kFewest) continue;
-      add(ridge, e);
+      const bool spans = std::all_of(ridge.begin(), ridge.end(), [&](Index w) { return is_on_boundary[w] != 0; });
+      add(spans ? 0 : 1, ridge, e);
     }
   });
 }
@@ -137,54 +152,92 @@ typename PathTopology<D>::Fans collect_interior_fans(const SimplexMesh<D>& mesh,
 template <int D>
 typename PathTopology<D>::Fans collect_boundary_fans(const SimplexMesh<D>& mesh) {
   constexpr std::size_t kFewest = 4;  // link vertices of three elements
-  return collect_fans<D>(mesh.boundary_face_count(), [&](Index b, std::vector<Index>& link, auto&& add) {
+  const auto collect = [&](Index b, std::vector<Index>& link, auto&& add) {
     for (int k = 0; k < D; ++k) {
       if (mesh.boundary_neighbours()[b][k] < b) continue;
       collect_boundary_link(mesh, b, k, link);
       if (link.size() < kFewest) continue;
       const auto& f = mesh.boundary_faces()[b];
       if constexpr (D == 3) {  // the link turns counter-clockwise against the face's own order
-        add({f[(k + 2) % 3], f[(k + 1) % 3]}, mesh.boundary_owners()[b].element());
+        add(0, {f[(k + 2) % 3], f[(k + 1) % 3]}, mesh.boundary_owners()[b].element());
       } else {  // and from the next vertex inward, not from the one before
         if (k == 0) std::reverse(link.begin(), link.end());
-        add({f[1 - k]}, mesh.boundary_owners()[b].element());
+        add(0, {f[1 - k]}, mesh.boundary_owners()[b].element());
       }
     }
-  });
+  };
+  return collect_fans<D, 1>(mesh.boundary_face_count(), collect).all;
 }
 
-/// Whether the elements of a vertex do not all reach each other across faces at the vertex.
+/// Tells at which boundary vertices several corners of the material meet. Which way the branches would go is never the
+/// same, so that there are few of them.
 template <int D>
-bool is_torn(const SimplexMesh<D>& mesh, Index v) {
-  const auto star = mesh.vertex_elements(v);
-  if (star.size() < 2) return false;
-  std::vector<Index> reached{star.front()};
-  for (std::size_t i = 0; i < reached.size(); ++i) {
-    for (int k = 0; k <= D; ++k) {
-      const Index across = mesh.neighbours()[reached[i]][k];
-      if (across < 0 || mesh.elements()[reached[i]][k] == v) continue;
-      if (std::find(reached.begin(), reached.end(), HalfFace{across}.element()) == reached.end())
-        reached.push_back(HalfFace{across}.element());
+class SplitSearch {
+ public:
+  explicit SplitSearch(const SimplexMesh<D>& mesh)
+      : mesh_(mesh), reached_at_(mesh.element_count(), kNone), faces_at_(D == 3 ? mesh.vertex_count() : 0) {}
+
+  bool operator()(Index v) { return is_torn(v) || has_crowded_edge(v); }
+
+ private:
+  /// Whether the elements of a vertex do not all reach each other across faces at the vertex.
+  bool is_torn(Index v) {
+    const auto star = mesh_.vertex_elements(v);
+    if (star.size() < 2) return false;
+    reached_.resize(star.size() + 1);  // and a place for what is not new
+    reached_[0] = star.front();
+    reached_at_[star.front()] = v;
+    std::size_t count = 1;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Index element = reached_[i];
+      const auto& vertices = mesh_.elements()[element];
+      const auto& neighbours = mesh_.neighbours()[element];
+      for (int k = 0; k <= D; ++k) {
+        const bool leads = static_cast<int>(neighbours[k] >= 0) & static_cast<int>(vertices[k] != v);
+        const Index next = leads ? HalfFace{neighbours[k]}.element() : element;
+        reached_[count] = next;
+        count += reached_at_[next] != v;
+        reached_at_[next] = v;
+      }
     }
+    return count != star.size();
   }
-  return reached.size() != star.size();
-}
+
+  /// Whether an edge of the vertex has more boundary faces than two.
+  bool has_crowded_edge(Index v) {
+    bool is_crowded = false;
+    if constexpr (D == 3) {
+      for (const Index face : mesh_.vertex_boundary_faces(v))
+        for (const Index w : mesh_.boundary_faces()[face]) {
+          Faces& faces = faces_at_[w];
+          const int count = faces.at == v ? faces.count + 1 : 1;
+          is_crowded |= count > 2 && w != v;
+          faces = {v, count};
+        }
+    }
+    return is_crowded;
+  }
+
+  struct Faces {
+    Index at = kNone;  ///< the vertex at which they were counted last
+    int count = 0;
+  };
+
+  const SimplexMesh<D>& mesh_;
+  std::vector<Index> reached_at_;  ///< per element the vertex at which it was reached last
+  std::vector<Index> reached_;
+  std::vector<Faces> faces_at_;  ///< per vertex the boundary faces on an edge to it
+};
 
 template <int D>
 std::vector<std::uint8_t> find_split_vertices(const SimplexMesh<D>& mesh) {
   std::vector<std::uint8_t> is_split(mesh.vertex_count(), 0);
-  parallel_for(std::ssize(mesh.boundary_vertices()), 1024, [&](std::int64_t i) {
-    const Index v = mesh.boundary_vertices()[i];
-    is_split[v] = is_torn(mesh, v);
-    if constexpr (D == 3) {
-      // A manifold boundary has two faces on each edge of the vertex.
-      std::vector<Index> rim;
-      for (Index face : mesh.vertex_boundary_faces(v))
-        for (Index w : mesh.boundary_faces()[face])
-          if (w != v) rim.push_back(w);
-      std::sort(rim.begin(), rim.end());
-      for (std::size_t k = 0; k + 2 < rim.size(); ++k) is_split[v] |= rim[k] == rim[k + 2];
-    }
+  const std::span<const Index> vertices = mesh.boundary_vertices();
+  // Each piece clears a mark per element: few pieces.
+  const std::int64_t at_once = std::max<std::int64_t>(1024, mesh.element_count() / 64);
+  parallel_ranges(std::ssize(vertices), at_once, [&](std::int64_t first, std::int64_t last) {
+    SplitSearch<D> splits(mesh);
+    for (const Index v : vertices.subspan(first, last - first)) is_split[v] = splits(v);
   });
   return is_split;
 }
@@ -204,7 +257,7 @@ bool has_one_orientation(const SimplexMesh<D>& mesh) {
   parallel_for(mesh.element_count(), kGrain, [&](std::int64_t e) {
     for (int i = 0; i <= D; ++i) {
       const HalfFace across{mesh.neighbours()[e][i]};
-      if (across.exists() &&
+      if (across.exists() && across.element() > e &&
           !is_odd(mesh.face_of(mesh.elements()[e], i), mesh.face_of(mesh.elements()[across.element()], across.face())))
         good.store(false, std::memory_order_relaxed);
     }
@@ -257,14 +310,13 @@ PathTopology<D>::PathTopology(const SimplexMesh<D>& mesh)
       is_split(find_split_vertices(mesh)),
       is_on_boundary(find_boundary(mesh)),
       is_oriented(has_one_orientation(mesh)),
-      interior_fans(collect_interior_fans(mesh, is_on_boundary, true)),
       boundary_fans(collect_boundary_fans(mesh)),
       rims(mesh) {
   for (Index v = 0; v < mesh.vertex_count(); ++v)
     inner_vertex_count += is_on_boundary[v] == 0 && !mesh.vertex_elements(v).empty();
-  spanning_count = std::ssize(interior_fans.fans);
-  Fans others = collect_interior_fans(mesh, is_on_boundary, false);
-  append_fans<D>(interior_fans, others);
+  SortedFans<D, 2> sorted = collect_interior_fans(mesh, is_on_boundary);
+  interior_fans = std::move(sorted.all);
+  spanning_count = sorted.ends[0];
   for (Fans* fans : {&interior_fans, &boundary_fans}) fans->fans.push_back({{}, kNone, std::ssize(fans->links)});
 }
 

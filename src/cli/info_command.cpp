@@ -2,6 +2,7 @@
 #include "cli/components.h"
 #include "cli/console.h"
 #include "cli/json_text.h"
+#include "cli/memory.h"
 #include "cli/mesh_input.h"
 #include "cli/output.h"
 #include "cli/quality.h"
@@ -134,6 +135,7 @@ void print_info(const Json& info) {
 
 void run_info(const InfoOptions& options) {
   Stopwatch watch;
+  take_large_pages();
   OutputFiles outputs;
   outputs.expect(options.common.json, files_of_mesh(options.mesh));
   const MeshFile file = read_mesh(options.mesh);

@@ -1,6 +1,7 @@
 #include "cli/command.h"
 #include "cli/console.h"
 #include "cli/json_text.h"
+#include "cli/memory.h"
 #include "cli/mesh_input.h"
 #include "cli/output.h"
 #include "cli/path_search.h"
@@ -169,6 +170,7 @@ void write_outputs(const PathsOptions& options, const MeshFile& file, const Sear
 
 void run_paths(const PathsOptions& options) {
   Stopwatch watch;
+  take_large_pages();
   OutputFiles outputs;
   expect_outputs(options, outputs);
   const MeshFile file = read_mesh(options.mesh);

@@ -152,28 +152,27 @@ std::vector<BoundaryRidge<D>> SimplexMesh<D>::boundary_ridges() const {
   return ridges;
 }
 
+/// By union of sets in which each element points to a smaller one of its component: element after element, so that
+/// memory is read in order.
 template <int D>
 std::vector<Index> SimplexMesh<D>::element_components() const {
-  std::vector<Index> component(elements_.size(), kNone);
-  std::vector<Index> pending;
-  Index count = 0;
-  for (Index seed = 0; seed < element_count(); ++seed) {
-    if (component[seed] != kNone) continue;
-    component[seed] = count;
-    pending.assign(1, seed);
-    while (!pending.empty()) {
-      const Index e = pending.back();
-      pending.pop_back();
-      for (Index across : neighbours_[e]) {
-        if (across < 0) continue;
-        Index& mark = component[HalfFace{across}.element()];
-        if (mark != kNone) continue;
-        mark = count;
-        pending.push_back(HalfFace{across}.element());
-      }
+  std::vector<Index> below(elements_.size());
+  const auto lowest = [&](Index e) {
+    while (below[e] != e) e = below[e] = below[below[e]];
+    return e;
+  };
+  for (Index e = 0; e < element_count(); ++e) {
+    Index root = below[e] = e;
+    for (const Index across : neighbours_[e]) {
+      if (across < 0 || HalfFace{across}.element() > e) continue;
+      const Index other = lowest(HalfFace{across}.element());
+      const auto [small, large] = std::minmax(root, other);
+      root = below[large] = small;
     }
-    ++count;
   }
+  Index count = 0;
+  std::vector<Index>& component = below;  // each element after the one that it points to
+  for (Index e = 0; e < element_count(); ++e) component[e] = below[e] == e ? count++ : component[below[e]];
   return component;
 }
 
