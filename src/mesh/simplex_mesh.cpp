@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
+#include <utility>
 
 namespace selvage {
 
@@ -24,8 +26,6 @@ int local_index(const VertexTuple<N>& tuple, Index vertex) {
 struct OutlinedFace {
   std::uint64_t others;  ///< its other vertices
   Index half_face;
-
-  friend auto operator<=>(const OutlinedFace&, const OutlinedFace&) = default;
 };
 
 template <int D>
@@ -40,11 +40,10 @@ OutlinedFace outline_face(const VertexTuple<D + 1>& element, Index e, int face, 
   return {static_cast<std::uint64_t>(high) << 32 | low, HalfFace::of(e, face).code};
 }
 
-/// Lists the faces whose smallest vertex is v: those of elements whose smallest vertex it is, and one of each element
+/// Visits the faces whose smallest vertex is v: those of elements whose smallest vertex it is, and one of each element
 /// in which it comes second.
-template <int D>
-void list_faces(const SimplexMesh<D>& mesh, Index v, std::vector<OutlinedFace>& faces) {
-  faces.clear();
+template <int D, typename Visit>
+void visit_faces(const SimplexMesh<D>& mesh, Index v, Visit&& visit) {
   for (const Index e : mesh.vertex_elements(v)) {
     const auto& element = mesh.elements()[e];
     int smaller = 0, last_smaller = 0;
@@ -53,13 +52,47 @@ void list_faces(const SimplexMesh<D>& mesh, Index v, std::vector<OutlinedFace>& 
         ++smaller;
         last_smaller = i;
       }
-    if (smaller == 1) faces.push_back(outline_face<D>(element, e, last_smaller, v));
+    if (smaller == 1) visit(outline_face<D>(element, e, last_smaller, v));
     if (smaller > 0) continue;
     for (int i = 0; i <= D; ++i)
-      if (element[i] != v) faces.push_back(outline_face<D>(element, e, i, v));
+      if (element[i] != v) visit(outline_face<D>(element, e, i, v));
   }
-  std::sort(faces.begin(), faces.end());
 }
+
+/// The faces of one vertex after the other, each found by its other vertices: a hash table that need not be cleared.
+class FaceTable {
+ public:
+  struct Entry {
+    std::uint64_t others;
+    Index vertex = kNone;
+    Index first;             ///< the half-face that came first
+    bool is_paired = false;  ///< a second has come
+  };
+
+  /// @param most_faces  that the vertex can have
+  void begin(Index vertex, std::size_t most_faces) {
+    vertex_ = vertex;
+    const std::size_t size = std::bit_ceil(2 * most_faces + 1);
+    if (size > entries_.size()) entries_.assign(size, {});
+    mask_ = size - 1;
+  }
+
+  /// The face's entry; a new one when none has come that is the same.
+  Entry& find(const OutlinedFace& face) {
+    for (std::size_t i = hash(face.others);; ++i) {
+      Entry& entry = entries_[i & mask_];
+      if (entry.vertex != vertex_) return entry = {face.others, vertex_, face.half_face};
+      if (entry.others == face.others) return entry;
+    }
+  }
+
+ private:
+  static std::size_t hash(std::uint64_t others) { return others * 0x9E3779B97F4A7C15u >> 32; }
+
+  std::vector<Entry> entries_;
+  std::size_t mask_ = 0;
+  Index vertex_ = kNone;
+};
 
 }  // namespace
 
@@ -78,18 +111,19 @@ void SimplexMesh<D>::find_neighbours() {
   neighbours_.resize(elements_.size());
   FirstOffender crowded("element");
   parallel_ranges(vertex_count_, kVerticesAtOnce, [&](std::int64_t begin, std::int64_t end) {
-    std::vector<OutlinedFace> faces;
+    FaceTable faces;
     for (Index v = static_cast<Index>(begin); v < end; ++v) {
-      list_faces(*this, v, faces);
-      for (auto first = faces.begin(), last = first; first != faces.end(); first = last) {
-        last = std::find_if(first, faces.end(), [&](const OutlinedFace& face) { return face.others != first->others; });
-        for (auto face = first; face != last; ++face) {
-          const HalfFace half{face->half_face};
-          neighbours_[half.element()][half.face()] =
-              last - first == 1 ? kNone : (face == first ? first + 1 : first)->half_face;
-          if (last - first > 2) crowded.report(half.element());
-        }
-      }
+      faces.begin(v, D * vertex_elements(v).size());
+      visit_faces(*this, v, [&](const OutlinedFace& face) {
+        FaceTable::Entry& entry = faces.find(face);
+        const HalfFace half{face.half_face}, first{entry.first};
+        const bool is_first = half.code == first.code;
+        neighbours_[half.element()][half.face()] = is_first ? kNone : first.code;
+        if (is_first) return;
+        neighbours_[first.element()][first.face()] = half.code;
+        if (entry.is_paired) crowded.report(first.element());
+        entry.is_paired = true;
+      });
     }
   });
   if (crowded.any())

@@ -4,40 +4,40 @@
 #include "selvage/core/types.h"
 
 #include <algorithm>
-#include <atomic>
-#include <numeric>
+#include <utility>
 
 namespace selvage {
 
 /// For each vertex the tuples that have it, ascending: `items[first[v] .. first[v + 1])`. O(n), parallel where there
-/// are many.
+/// are many: each piece of the tuples counts on its own, for atomic additions cost five times as much as plain ones,
+/// and leave items to be sorted.
 template <int N>
 void build_vertex_stars(Index vertex_count, std::span<const VertexTuple<N>> tuples, std::vector<Index>& items,
                         std::vector<Index>& first) {
-  constexpr std::int64_t kTuplesAtOnce = 8192, kFewTuples = 1 << 18;
-  first.assign(static_cast<std::size_t>(vertex_count) + 1, 0);
+  constexpr std::int64_t kTuplesAtOnce = 1 << 17, kMostPieces = 8;
+  const std::int64_t count = std::ssize(tuples),
+                     pieces = std::clamp(count / kTuplesAtOnce, std::int64_t{1}, kMostPieces);
+  first.resize(static_cast<std::size_t>(vertex_count) + 1);
   items.resize(tuples.size() * N);
-  // Atomic additions cost five times as much as plain ones, and leave items to be sorted.
-  if (std::ssize(tuples) < kFewTuples) {
-    for (const VertexTuple<N>& tuple : tuples)
-      for (const Index v : tuple) ++first[v];
-    std::exclusive_scan(first.begin(), first.end(), first.begin(), Index{0});
-    std::vector<Index> next(first.begin(), first.end() - 1);
-    for (std::size_t t = 0; t < tuples.size(); ++t)
-      for (const Index v : tuples[t]) items[next[v]++] = static_cast<Index>(t);
-    return;
+  std::vector<std::vector<Index>> next(pieces);  // per piece and vertex: how many, then where the next goes
+  const auto for_each_tuple = [&](std::int64_t piece, auto&& visit) {
+    const std::int64_t end = count * (piece + 1) / pieces;
+    for (std::int64_t t = count * piece / pieces; t < end; ++t)
+      for (const Index v : tuples[t]) visit(next[piece][v], static_cast<Index>(t));
+  };
+  parallel_for(pieces, 1, [&](std::int64_t piece) {
+    next[piece].assign(vertex_count, 0);
+    for_each_tuple(piece, [](Index& number, Index) { ++number; });
+  });
+  Index place = 0;
+  for (Index v = 0; v < vertex_count; ++v) {
+    first[v] = place;
+    for (std::vector<Index>& of_piece : next) place += std::exchange(of_piece[v], place);
   }
-  parallel_for(std::ssize(tuples), kTuplesAtOnce, [&](std::int64_t t) {
-    for (Index v : tuples[t]) std::atomic_ref(first[v]).fetch_add(1, std::memory_order_relaxed);
+  first[vertex_count] = place;
+  parallel_for(pieces, 1, [&](std::int64_t piece) {
+    for_each_tuple(piece, [&](Index& where, Index tuple) { items[where++] = tuple; });
   });
-  // first[v] becomes the end of v's share; filling from the back turns it into the beginning.
-  std::inclusive_scan(first.begin(), first.end(), first.begin());
-  parallel_for(std::ssize(tuples), kTuplesAtOnce, [&](std::int64_t t) {
-    for (Index v : tuples[t])
-      items[std::atomic_ref(first[v]).fetch_sub(1, std::memory_order_relaxed) - 1] = static_cast<Index>(t);
-  });
-  parallel_for(vertex_count, kTuplesAtOnce,
-               [&](std::int64_t v) { std::sort(items.begin() + first[v], items.begin() + first[v + 1]); });
 }
 
 }  // namespace selvage
