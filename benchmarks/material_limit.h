@@ -10,13 +10,13 @@
 namespace selvage::bench {
 
 /// Arithmetic on doubles in the kernel for one Neo-Hookean element, as written: additions, subtractions,
-/// multiplications; a square root and two divisions besides.
-inline constexpr double kOperationsPerElement = 346;
+/// multiplications; a square root and two divisions besides. Damping has more to do.
+inline constexpr double kOperationsPerElement = 334, kOperationsPerDampedElement = 404;
 
 /// What an iteration over Neo-Hookean elements moves at least: batches are read, their multipliers written; vertices
-/// read and written once. [bytes]
-inline double material_bytes(double elements, double vertices) {
-  return elements * (sizeof(ElementBatch) + 2 * 8 * kBatch) / kBatch + 2 * vertices * sizeof(VertexRow);
+/// read and written once, and read as they were at the start of the step where they are damped. [bytes]
+inline double material_bytes(double elements, double vertices, bool damped) {
+  return elements * (sizeof(ElementBatch) + 2 * 8 * kBatch) / kBatch + (damped ? 3 : 2) * vertices * sizeof(VertexRow);
 }
 
 /// Best of three, in seconds.
@@ -55,10 +55,15 @@ struct MachineLimit {
     return limit;
   }
 
-  /// What an iteration takes at least: of arithmetic or of memory, whichever is more.
-  double seconds(double elements, double vertices) const {
-    return std::max(elements * kOperationsPerElement / operations_per_second,
-                    material_bytes(elements, vertices) / bytes_per_second);
+  /// What an iteration over Neo-Hookean bodies takes at least: of arithmetic or of memory, whichever is more.
+  double seconds(std::span<const Body> bodies) const {
+    double operations = 0, bytes = 0;
+    for (const Body& body : bodies) {
+      const bool damped = body.material.damping > 0;
+      operations += body.element_count * (damped ? kOperationsPerDampedElement : kOperationsPerElement);
+      bytes += material_bytes(body.element_count, body.vertex_count, damped);
+    }
+    return std::max(operations / operations_per_second, bytes / bytes_per_second);
   }
 };
 

@@ -60,7 +60,7 @@ json run(const Scene& scene, std::int64_t frames, const MachineLimit& limit) {
     seconds += row.seconds_material;
   }
   const double iterations = summary["steps"].get<double>() * scene.options.iterations;
-  const double least = iterations * limit.seconds(scene.model.mesh.element_count(), scene.model.mesh.vertex_count());
+  const double least = iterations * limit.seconds(scene.model.bodies);
   if (seconds > 0) {
     summary["constraints_per_second"] = constraints / seconds;
     summary["fraction_of_limit"] = least / seconds;

@@ -63,12 +63,24 @@ std::vector<Piece> cut_pieces(const Model& model) {
   return pieces;
 }
 
-/// Constraints of one piece: their numbers, eight a batch.
+/// Constraints of one piece: their numbers, kBatch a batch.
 struct PackedPiece {
+  std::vector<Index> vertices;  ///< ascending
   std::vector<Index> elements;
   std::vector<Index> edges;  ///< numbers of `edge_vertices`
   std::vector<VertexTuple<2>> edge_vertices;
+
+  Index place_of(Index vertex) const {
+    return static_cast<Index>(std::lower_bound(vertices.begin(), vertices.end(), vertex) - vertices.begin());
+  }
+  Index vertex_count() const { return static_cast<Index>(vertices.size()); }
 };
+
+/// Where a row begins, by its number.
+std::uint16_t row_at(Index number) {
+  return static_cast<std::uint16_t>(4 * number);
+}
+static_assert(4 * kBlockRows <= std::numeric_limits<std::uint16_t>::max());
 
 class BlockMaker {
  public:
@@ -85,9 +97,8 @@ class BlockMaker {
     std::vector<std::vector<Index>> conflicts(pieces_.size());
     packed_.resize(pieces_.size());
     parallel_for(std::ssize(pieces_), 4, [&](std::int64_t p) {
-      const std::vector<Index> vertices = list_vertices(pieces_[p]);
-      conflicts[p] = list_conflicts(static_cast<Index>(p), vertices);
-      packed_[p] = pack(static_cast<Index>(p), vertices);
+      packed_[p] = pack(static_cast<Index>(p));
+      conflicts[p] = list_conflicts(static_cast<Index>(p), packed_[p].vertices);
     });
     lay_out(colour_blocks(conflicts));
     parallel_for(std::ssize(order_), 4, [&](std::int64_t block) { fill(static_cast<Index>(block)); });
@@ -121,24 +132,23 @@ class BlockMaker {
     return sorted(std::move(others));
   }
 
-  PackedPiece pack(Index own, const std::vector<Index>& vertices) const {
-    const auto local = [&](Index v) {
-      return static_cast<Index>(std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin());
-    };
+  PackedPiece pack(Index own) const {
     const Piece& piece = pieces_[own];
-    const auto vertex_count = static_cast<Index>(vertices.size());
-    std::vector<VertexTuple<4>> tuples;
-    for (Index i = piece.first; i < piece.last; ++i)
-      tuples.push_back({local(element(i)[0]), local(element(i)[1]), local(element(i)[2]), local(element(i)[3])});
     PackedPiece packed;
-    packed.elements = pack_batches<4>(tuples, vertex_count);
+    packed.vertices = list_vertices(piece);
+    std::vector<VertexTuple<4>> tuples;
+    for (Index i = piece.first; i < piece.last; ++i) {
+      const auto& [a, b, c, d] = element(i);
+      tuples.push_back({packed.place_of(a), packed.place_of(b), packed.place_of(c), packed.place_of(d)});
+    }
+    packed.elements = pack_batches<4>(tuples, packed.vertex_count());
     for (Index& number : packed.elements)
       if (number != kNone) number = ordered_[piece.first + number];
     if (model_.bodies[piece.body].material.kind != MaterialKind::kMassSpring) return packed;
     packed.edge_vertices = list_edges(own);
     std::vector<VertexTuple<2>> edges;
-    for (const VertexTuple<2>& edge : packed.edge_vertices) edges.push_back({local(edge[0]), local(edge[1])});
-    packed.edges = pack_batches<2>(edges, vertex_count);
+    for (const auto& [a, b] : packed.edge_vertices) edges.push_back({packed.place_of(a), packed.place_of(b)});
+    packed.edges = pack_batches<2>(edges, packed.vertex_count());
     return packed;
   }
 
@@ -165,15 +175,16 @@ class BlockMaker {
     order_.resize(pieces_.size());
     std::iota(order_.begin(), order_.end(), 0);
     std::stable_sort(order_.begin(), order_.end(), [&](Index a, Index b) { return colours[a] < colours[b]; });
-    Index elements = 0, edges = 0;
+    Index vertices = 0, elements = 0, edges = 0;
     for (const Index piece : order_) {
       while (std::ssize(result_.colour_first) <= colours[piece])
         result_.colour_first.push_back(static_cast<Index>(result_.blocks.size()));
       const PackedPiece& packed = packed_[piece];
       const auto element_batches = static_cast<Index>(packed.elements.size() / kBatch);
       const auto edge_batches = static_cast<Index>(packed.edges.size() / kBatch);
-      result_.blocks.push_back(
-          {pieces_[piece].body, elements, elements + element_batches, edges, edges + edge_batches});
+      result_.blocks.push_back({pieces_[piece].body, vertices, vertices + packed.vertex_count(), elements,
+                                elements + element_batches, edges, edges + edge_batches});
+      vertices += packed.vertex_count();
       elements += element_batches;
       edges += edge_batches;
       const bool springs = model_.bodies[pieces_[piece].body].material.kind == MaterialKind::kMassSpring;
@@ -181,33 +192,31 @@ class BlockMaker {
                                   std::ssize(packed.edge_vertices);
     }
     result_.colour_first.push_back(static_cast<Index>(result_.blocks.size()));
+    result_.vertices.resize(vertices);
     result_.elements.resize(elements);
     result_.edges.resize(edges);
-    for (std::size_t block = 0; block < order_.size(); ++block)
-      for (int corner = 0; corner < 4; ++corner)
-        result_.stand_ins.push_back({{double(corner == 1), double(corner == 2), double(corner == 3)}, 0});
   }
 
   void fill(Index block) {
     const MaterialBlock& place = result_.blocks[block];
     const PackedPiece& packed = packed_[order_[block]];
-    const Index stand_in = model_.mesh.vertex_count() + 4 * block;
+    std::copy(packed.vertices.begin(), packed.vertices.end(), result_.vertices.begin() + place.first_vertex);
     for (std::size_t i = 0; i < packed.elements.size(); ++i)
       fill_element(result_.elements[place.first_element_batch + i / kBatch], static_cast<int>(i % kBatch),
-                   packed.elements[i], stand_in);
+                   packed.elements[i], packed);
     for (std::size_t i = 0; i < packed.edges.size(); ++i)
-      fill_edge(
-          result_.edges[place.first_edge_batch + i / kBatch], static_cast<int>(i % kBatch),
-          packed.edges[i] == kNone ? VertexTuple<2>{stand_in, stand_in + 1} : packed.edge_vertices[packed.edges[i]],
-          packed.edges[i] != kNone);
+      fill_edge(result_.edges[place.first_edge_batch + i / kBatch], static_cast<int>(i % kBatch), packed.edges[i],
+                packed);
   }
 
-  void fill_element(ElementBatch& batch, int lane, Index number, Index stand_in) const {
+  void fill_element(ElementBatch& batch, int lane, Index number, const PackedPiece& packed) const {
     Eigen::Matrix3d edges = Eigen::Matrix3d::Identity();
-    for (int k = 0; k < 4; ++k)
-      batch.vertices[k][lane] = number == kNone ? stand_in + k : model_.mesh.elements()[number][k];
-    if (number != kNone)
-      for (int k = 0; k < 3; ++k) edges.col(k) = rest(batch.vertices[k + 1][lane]) - rest(batch.vertices[0][lane]);
+    for (int k = 0; k < 4; ++k) batch.rows[k][lane] = row_at(packed.vertex_count() + k);
+    if (number != kNone) {
+      const auto& corners = model_.mesh.elements()[number];
+      for (int k = 0; k < 4; ++k) batch.rows[k][lane] = row_at(packed.place_of(corners[k]));
+      for (int k = 0; k < 3; ++k) edges.col(k) = rest(corners[k + 1]) - rest(corners[0]);
+    }
     const Eigen::Matrix3d inverse = edges.inverse(), gram = inverse * inverse.transpose();
     const double entries[6] = {gram(0, 0), gram(1, 1), gram(2, 2), gram(0, 1), gram(0, 2), gram(1, 2)};
     for (int i = 0; i < 6; ++i) batch.gram[i][lane] = entries[i];
@@ -215,10 +224,15 @@ class BlockMaker {
     batch.multipliers[0][lane] = batch.multipliers[1][lane] = 0;
   }
 
-  void fill_edge(EdgeBatch& batch, int lane, const VertexTuple<2>& vertices, bool exists) const {
-    for (int k = 0; k < 2; ++k) batch.vertices[k][lane] = vertices[k];
-    batch.length[lane] = exists ? (rest(vertices[1]) - rest(vertices[0])).norm() : 1;
+  void fill_edge(EdgeBatch& batch, int lane, Index number, const PackedPiece& packed) const {
+    for (int k = 0; k < 2; ++k) batch.rows[k][lane] = row_at(packed.vertex_count() + k);
+    batch.length[lane] = 1;
     batch.multiplier[lane] = 0;
+    if (number == kNone) return;
+    const auto& [a, b] = packed.edge_vertices[number];
+    batch.rows[0][lane] = row_at(packed.place_of(a));
+    batch.rows[1][lane] = row_at(packed.place_of(b));
+    batch.length[lane] = (rest(b) - rest(a)).norm();
   }
 
   const Vec3& rest(Index v) const { return model_.rest_positions[v]; }

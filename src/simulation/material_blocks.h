@@ -6,8 +6,10 @@
 
 namespace selvage {
 
-/// Constraints of one kind are solved eight at a time, whatever the registers hold: no two of a batch share a vertex.
-inline constexpr int kBatch = 8;
+/// Constraints of one kind are solved sixteen at a time, whatever the registers hold: no two of a batch share a vertex.
+/// Twice as many as the widest register: elements are long chains of operations, and others have to be at hand while
+/// they wait.
+inline constexpr int kBatch = 16;
 
 /// A vertex as the solver moves it.
 struct alignas(32) VertexRow {
@@ -15,24 +17,28 @@ struct alignas(32) VertexRow {
   double inverse_mass;
 };
 
-/// Eight elements. Places without an element hold one of vertices that nothing moves.
+/// Elements. Places without one hold one of rows that nothing moves.
 struct alignas(64) ElementBatch {
-  Index vertices[4][kBatch];
+  std::uint16_t rows[4][kBatch];  ///< of the block's vertices, see MaterialBlock
   double gram[6][kBatch];         ///< B B^T by 00 11 22 01 02 12, with B the inverse of the rest edges (columns)
   double inverse_volume[kBatch];  ///< 1 / (6 rest volume)
   double multipliers[2][kBatch];  ///< deviatoric, hydrostatic
 };
 
-/// Eight springs.
+/// Springs.
 struct alignas(64) EdgeBatch {
-  Index vertices[2][kBatch];
+  std::uint16_t rows[2][kBatch];
   double length[kBatch];
   double multiplier[kBatch];
 };
 
 /// Elements of one body that lie near one another, solved one after the other by one thread: batches in ranges.
+///
+/// While a block is solved its vertices are in rows of their own, one after the other, followed by four that stand in
+/// for missing ones. Batches name a row by where it begins, counted in numbers, of which each has four.
 struct MaterialBlock {
   Index body;
+  Index first_vertex, last_vertex;  ///< into `vertices`
   Index first_element_batch, last_element_batch;
   Index first_edge_batch, last_edge_batch;
 };
@@ -43,13 +49,12 @@ struct MaterialBlock {
 /// Two levels where a plain colouring of the elements has one: its forty colours would each stream through all
 /// vertices.
 struct MaterialBlocks {
+  std::vector<Index> vertices;  ///< block by block, ascending in each
   std::vector<ElementBatch> elements;
   std::vector<EdgeBatch> edges;
   std::vector<MaterialBlock> blocks;  ///< by colour
   std::vector<Index> colour_first;    ///< (n_colours + 1) into `blocks`
   std::int64_t constraint_count = 0;  ///< two a Neo-Hookean element, one a mass-spring element, one a spring
-  /// Rows that stand in for missing vertices, to be appended to the model's: four a block, so that threads share none.
-  std::vector<VertexRow> stand_ins;
 
   Index colour_count() const { return static_cast<Index>(colour_first.size()) - 1; }
 };
@@ -60,6 +65,8 @@ MaterialBlocks make_material_blocks(const Model& model);
 /// Elements of a block at most. Fewer would not fill their batches: an inner vertex has 24 elements, all in different
 /// ones.
 inline constexpr std::int64_t kBlockElements = 512;
+/// Rows of a block at most, those that stand in for missing vertices too.
+inline constexpr std::int64_t kBlockRows = 4 * kBlockElements + 4;
 
 /// A colour for each block so that no two that share a vertex have the same, with about as many blocks of each.
 ///

@@ -2,6 +2,8 @@
 
 #include "selvage/core/simd_double.h"
 
+#include <span>
+
 namespace selvage {
 inline namespace SELVAGE_ISA {
 
@@ -28,23 +30,46 @@ SELVAGE_INLINE void cross(const Wide3& a, const Wide3& b, Wide3& r) {
   r[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-SELVAGE_INLINE const double* rows_of(const VertexRow* vertices) {
-  return vertices->position;
-}
-SELVAGE_INLINE double* rows_of(VertexRow* vertices) {
-  return vertices->position;
-}
+/// The vertices of the block that is being solved, and those that stand in for missing ones.
+struct BlockRows {
+  alignas(64) VertexRow now[kBlockRows];
+  alignas(64) VertexRow start[kBlockRows];
 
-/// As many elements as there are lanes.
+  SELVAGE_INLINE const double* of_now() const { return now->position; }
+  SELVAGE_INLINE double* of_now() { return now->position; }
+  SELVAGE_INLINE const double* of_start() const { return start->position; }
+
+  template <bool kDamped>
+  void load(const MaterialTask& task, std::span<const Index> vertices) {
+    for (std::size_t i = 0; i < vertices.size(); ++i) now[i] = task.vertices[vertices[i]];
+    if constexpr (kDamped)
+      for (std::size_t i = 0; i < vertices.size(); ++i) start[i] = task.start[vertices[i]];
+    for (int k = 0; k < 4; ++k)
+      now[vertices.size() + k] = start[vertices.size() + k] = {{double(k == 1), double(k == 2), double(k == 3)}, 0};
+  }
+
+  void store(const MaterialTask& task, std::span<const Index> vertices) const {
+    for (std::size_t i = 0; i < vertices.size(); ++i) task.vertices[vertices[i]] = now[i];
+  }
+};
+
+/// The vertices of as many elements as there are lanes.
 struct Corners {
   WideDouble x[4][4];  ///< position and inverse mass
 
-  SELVAGE_INLINE Corners(const VertexRow* vertices, const ElementBatch& batch, int part) {
-    for (int k = 0; k < 4; ++k) load_rows(rows_of(vertices), batch.vertices[k] + part, x[k]);
+  SELVAGE_INLINE Corners(const double* rows, const ElementBatch& batch, int part) {
+    // Written out: a loop over so much would stay one.
+    load_rows(rows, batch.rows[0] + part, x[0]);
+    load_rows(rows, batch.rows[1] + part, x[1]);
+    load_rows(rows, batch.rows[2] + part, x[2]);
+    load_rows(rows, batch.rows[3] + part, x[3]);
   }
 
-  SELVAGE_INLINE void store(VertexRow* vertices, const ElementBatch& batch, int part) const {
-    for (int k = 0; k < 4; ++k) store_rows(x[k], rows_of(vertices), batch.vertices[k] + part);
+  SELVAGE_INLINE void store(double* rows, const ElementBatch& batch, int part) const {
+    store_rows(x[0], rows, batch.rows[0] + part);
+    store_rows(x[1], rows, batch.rows[1] + part);
+    store_rows(x[2], rows, batch.rows[2] + part);
+    store_rows(x[3], rows, batch.rows[3] + part);
   }
 
   SELVAGE_INLINE void list_edges(Wide3 (&edges)[3]) const {
@@ -52,10 +77,11 @@ struct Corners {
       for (int i = 0; i < 3; ++i) edges[k][i] = x[k + 1][i] - x[0][i];
   }
 
-  /// Moves vertices along the gradients (those of vertices 1 to 3 given, of 0 their negated sum), by inverse mass.
-  SELVAGE_INLINE void move(const Wide3 (&gradients)[3], const Wide3& of_first, WideDouble scale) {
+  /// Moves vertices along the gradients (those of vertices 1 to 3 given, of 0 their sum the other way), by inverse
+  /// mass.
+  SELVAGE_INLINE void move(const Wide3 (&gradients)[3], const Wide3& sum, WideDouble scale) {
     const WideDouble first_scale = scale * x[0][3];
-    for (int i = 0; i < 3; ++i) x[0][i] = x[0][i] + first_scale * of_first[i];
+    for (int i = 0; i < 3; ++i) x[0][i] = x[0][i] - first_scale * sum[i];
     for (int k = 0; k < 3; ++k) {
       const WideDouble own_scale = scale * x[k + 1][3];
       for (int i = 0; i < 3; ++i) x[k + 1][i] = x[k + 1][i] + own_scale * gradients[k][i];
@@ -74,15 +100,15 @@ SELVAGE_INLINE void list_areas(const Wide3 (&edges)[3], Wide3 (&areas)[3]) {
   cross(edges[0], edges[1], areas[2]);
 }
 
-SELVAGE_INLINE void negate_sum(const Wide3 (&a)[3], Wide3& r) {
-  for (int i = 0; i < 3; ++i) r[i] = constant(0) - (a[0][i] + a[1][i] + a[2][i]);
+SELVAGE_INLINE void add_up(const Wide3 (&a)[3], Wide3& r) {
+  for (int i = 0; i < 3; ++i) r[i] = a[0][i] + a[1][i] + a[2][i];
 }
 
 /// How a constraint of the element moves with the vertices: the gradients of all four weighed by inverse mass.
-SELVAGE_INLINE WideDouble weigh_gradients(const Corners& corners, const Wide3 (&gradients)[3], const Wide3& of_first) {
+SELVAGE_INLINE WideDouble weigh_gradients(const Corners& corners, const Wide3 (&gradients)[3], const Wide3& sum) {
   const Wide3 squares = {dot(gradients[0], gradients[0]), dot(gradients[1], gradients[1]),
                          dot(gradients[2], gradients[2])};
-  return corners.weigh(dot(of_first, of_first), squares);
+  return corners.weigh(dot(sum, sum), squares);
 }
 
 /// Solves the deviatoric and the hydrostatic constraint of elements one after the other. XPBD, with one term more in
@@ -92,31 +118,42 @@ SELVAGE_INLINE WideDouble weigh_gradients(const Corners& corners, const Wide3 (&
 template <bool kDeviatoric, bool kDamped, bool kFirst>
 class ElementSolver {
  public:
-  SELVAGE_INLINE ElementSolver(const MaterialTask& task, const MaterialStep& step) : task_(task) {
+  SELVAGE_INLINE ElementSolver(BlockRows& rows, const MaterialStep& step) : rows_(rows) {
     deviatoric_ = constant(step.deviatoric);
     hydrostatic_ = constant(step.hydrostatic);
     damping_ = constant(step.damping);
     share_ = constant(1 + step.damping);
   }
 
-  SELVAGE_INLINE void solve(ElementBatch& batch, int part) const {
-    Corners corners(task_.vertices, batch, part);
-    Wide3 edges[3], start[3], areas[3];
-    if constexpr (kDamped) Corners(task_.start, batch, part).list_edges(start);
-    const WideDouble weight = rest_weight(corners, batch, part);
-    if constexpr (kDeviatoric) {
-      corners.list_edges(edges);
-      list_areas(edges, areas);
-      solve_deviatoric(batch, part, corners, edges, start, areas, weight);
-    }
-    corners.list_edges(edges);
-    list_areas(edges, areas);
-    solve_hydrostatic(batch, part, corners, edges, start, areas, weight);
-    corners.store(task_.vertices, batch, part);
+  /// Two parts of a batch, the first constraint of both before the second of either. A constraint ends in a chain of
+  /// operations that wait for one another, and the processor looks only so far ahead for what it can do meanwhile: what
+  /// comes next must not wait for that chain, too.
+  SELVAGE_INLINE void solve(ElementBatch& batch, int first_part, int second_part) const {
+    Elements a(rows_, batch, first_part);
+    if constexpr (kDeviatoric) solve_deviatoric(a);
+    Elements b(rows_, batch, second_part);
+    if constexpr (kDeviatoric) solve_deviatoric(b);
+    solve_hydrostatic(a);
+    solve_hydrostatic(b);
+    a.corners.store(rows_.of_now(), batch, first_part);
+    b.corners.store(rows_.of_now(), batch, second_part);
   }
 
  private:
-  /// What the gradients of a constraint weigh at rest.
+  /// As many as there are lanes, while they are solved.
+  struct Elements {
+    ElementBatch& batch;
+    int part;
+    Corners corners;
+    Wide3 start[3];     ///< edges at the start of the step
+    WideDouble weight;  ///< what the gradients of a constraint weigh at rest
+
+    SELVAGE_INLINE Elements(const BlockRows& rows, ElementBatch& b, int p)
+        : batch(b), part(p), corners(rows.of_now(), b, p), weight(rest_weight(corners, b, p)) {
+      if constexpr (kDamped) Corners(rows.of_start(), batch, part).list_edges(start);
+    }
+  };
+
   SELVAGE_INLINE static WideDouble rest_weight(const Corners& corners, const ElementBatch& batch, int part) {
     const auto gram = [&](int i) { return WideDouble::load(batch.gram[i] + part); };
     const Wide3 diagonal = {gram(0), gram(1), gram(2)};
@@ -135,14 +172,17 @@ class ElementSolver {
   }
 
   // With S = C^2 and q = C grad C, the gradient of S / 2, all is multiplied by C, so that nothing is divided by it.
-  SELVAGE_INLINE void solve_deviatoric(ElementBatch& batch, int part, Corners& corners, const Wide3 (&edges)[3],
-                                       const Wide3 (&start)[3], const Wide3 (&areas)[3], WideDouble weight) const {
+  SELVAGE_INLINE void solve_deviatoric(Elements& of) const {
+    ElementBatch& batch = of.batch;
+    const int part = of.part;
     const auto gram = [&](int i) { return WideDouble::load(batch.gram[i] + part); };
     constexpr int kPlace[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
+    Wide3 edges[3], areas[3], gradients[3], sum;
+    of.corners.list_edges(edges);
+    list_areas(edges, areas);
     const WideDouble inverse_volume = WideDouble::load(batch.inverse_volume + part);
     const WideDouble volume = inverse_volume * dot(edges[0], areas[0]);
     const WideDouble area_scale = (volume - constant(2)) * inverse_volume;
-    Wide3 gradients[3], of_first;
     WideDouble squared_norm = constant(0);
     for (int k = 0; k < 3; ++k) {
       for (int i = 0; i < 3; ++i)
@@ -151,38 +191,39 @@ class ElementSolver {
       squared_norm = squared_norm + dot(edges[k], gradients[k]);
       for (int i = 0; i < 3; ++i) gradients[k][i] = gradients[k][i] + area_scale * areas[k][i];
     }
-    negate_sum(gradients, of_first);
+    add_up(gradients, sum);
     const WideDouble squared = max(squared_norm + (volume - constant(4)) * volume, constant(kLeastSquaredStrain));
     const WideDouble value = sqrt(squared), compliance = deviatoric_ * inverse_volume;
     WideDouble residual = squared;
     if constexpr (!kFirst) residual = residual + value * (compliance * WideDouble::load(batch.multipliers[0] + part));
-    if constexpr (kDamped) residual = residual + damp(gradients, edges, start);
-    const WideDouble stiffness = weigh_gradients(corners, gradients, of_first);
+    if constexpr (kDamped) residual = residual + damp(gradients, edges, of.start);
+    const WideDouble stiffness = weigh_gradients(of.corners, gradients, sum);
     const WideDouble denominator = (kDamped ? share_ * stiffness : stiffness) + squared * compliance +
-                                   constant(0.25) * (residual * residual) * weight;
+                                   constant(0.25) * (residual * residual) * of.weight;
     const WideDouble scale = constant(0) - residual / denominator;
     add_multiplier(batch.multipliers[0] + part, scale * value);
-    corners.move(gradients, of_first, scale);
+    of.corners.move(gradients, sum, scale);
   }
 
-  SELVAGE_INLINE void solve_hydrostatic(ElementBatch& batch, int part, Corners& corners, const Wide3 (&edges)[3],
-                                        const Wide3 (&start)[3], const Wide3 (&areas)[3], WideDouble weight) const {
+  SELVAGE_INLINE void solve_hydrostatic(Elements& of) const {
+    ElementBatch& batch = of.batch;
+    const int part = of.part;
+    Wide3 edges[3], areas[3], sum;
+    of.corners.list_edges(edges);
+    list_areas(edges, areas);
+    add_up(areas, sum);
     const WideDouble inverse_volume = WideDouble::load(batch.inverse_volume + part);
     WideDouble compliance = hydrostatic_ * inverse_volume;
     if constexpr (!kDeviatoric) compliance = compliance * inverse_volume;
-    Wide3 gradients[3], of_first;
-    for (int k = 0; k < 3; ++k)
-      for (int i = 0; i < 3; ++i) gradients[k][i] = inverse_volume * areas[k][i];
-    negate_sum(gradients, of_first);
     WideDouble residual = inverse_volume * dot(edges[0], areas[0]) - constant(1);
     if constexpr (!kFirst) residual = residual + compliance * WideDouble::load(batch.multipliers[1] + part);
-    if constexpr (kDamped) residual = residual + damp(gradients, edges, start);
-    const WideDouble stiffness = weigh_gradients(corners, gradients, of_first);
+    if constexpr (kDamped) residual = residual + inverse_volume * damp(areas, edges, of.start);
+    const WideDouble stiffness = inverse_volume * inverse_volume * weigh_gradients(of.corners, areas, sum);
     const WideDouble denominator =
-        (kDamped ? share_ * stiffness : stiffness) + compliance + constant(0.25) * (residual * residual) * weight;
+        (kDamped ? share_ * stiffness : stiffness) + compliance + constant(0.25) * (residual * residual) * of.weight;
     const WideDouble scale = constant(0) - residual / max(denominator, constant(kLeastDenominator));
     add_multiplier(batch.multipliers[1] + part, scale);
-    corners.move(gradients, of_first, scale);
+    of.corners.move(areas, sum, scale * inverse_volume);
   }
 
   SELVAGE_INLINE static void add_multiplier(double* multiplier, WideDouble change) {
@@ -190,16 +231,16 @@ class ElementSolver {
     change.store(multiplier);
   }
 
-  const MaterialTask& task_;
+  BlockRows& rows_;
   WideDouble deviatoric_, hydrostatic_, damping_, share_;
 };
 
 /// XPBD's distance constraints.
 template <bool kDamped, bool kFirst>
-SELVAGE_INLINE void solve_springs(const MaterialTask& task, const MaterialStep& step, EdgeBatch& batch, int part) {
+SELVAGE_INLINE void solve_springs(BlockRows& rows, const MaterialStep& step, EdgeBatch& batch, int part) {
   WideDouble a[4], b[4];
-  load_rows(rows_of(task.vertices), batch.vertices[0] + part, a);
-  load_rows(rows_of(task.vertices), batch.vertices[1] + part, b);
+  load_rows(rows.of_now(), batch.rows[0] + part, a);
+  load_rows(rows.of_now(), batch.rows[1] + part, b);
   const Wide3 edge = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
   const WideDouble length = sqrt(dot(edge, edge)), divisor = max(length, constant(kLeastDenominator));
   WideDouble residual = length - WideDouble::load(batch.length + part);
@@ -207,8 +248,8 @@ SELVAGE_INLINE void solve_springs(const MaterialTask& task, const MaterialStep& 
   WideDouble weight = a[3] + b[3];
   if constexpr (kDamped) {
     WideDouble from[4], to[4];
-    load_rows(rows_of(task.start), batch.vertices[0] + part, from);
-    load_rows(rows_of(task.start), batch.vertices[1] + part, to);
+    load_rows(rows.of_start(), batch.rows[0] + part, from);
+    load_rows(rows.of_start(), batch.rows[1] + part, to);
     const Wide3 moved = {edge[0] - (to[0] - from[0]), edge[1] - (to[1] - from[1]), edge[2] - (to[2] - from[2])};
     residual = residual + constant(step.damping) * dot(edge, moved) / divisor;
     weight = constant(1 + step.damping) * weight;
@@ -222,46 +263,76 @@ SELVAGE_INLINE void solve_springs(const MaterialTask& task, const MaterialStep& 
     a[i] = a[i] - scale * a[3] * edge[i];
     b[i] = b[i] + scale * b[3] * edge[i];
   }
-  store_rows(a, rows_of(task.vertices), batch.vertices[0] + part);
-  store_rows(b, rows_of(task.vertices), batch.vertices[1] + part);
+  store_rows(a, rows.of_now(), batch.rows[0] + part);
+  store_rows(b, rows.of_now(), batch.rows[1] + part);
 }
 
-/// So many batches ahead vertices are fetched.
-constexpr Index kAhead = 2;
+/// So many batches ahead the next are fetched.
+constexpr Index kAhead = 3;
 
-SELVAGE_INLINE void prefetch_vertices(const MaterialTask& task, const ElementBatch& batch) {
-  for (const auto& lanes : batch.vertices)
-    for (int i = 0; i < kBatch; ++i) prefetch(task.vertices + lanes[i]);
-}
+/// Fetches what comes next: between two steps all of it leaves the caches.
+template <bool kDamped>
+class Fetcher {
+ public:
+  Fetcher(const MaterialTask& task, const MaterialBlock& block, Index next)
+      : task_(task), last_batch_(task.blocks[next].last_element_batch - 1) {
+    const MaterialBlock& following = task.blocks[next];
+    place_ = following.first_vertex;
+    last_place_ = following.last_vertex;
+    const Index batches = std::max(block.last_element_batch - block.first_element_batch, 1);
+    places_per_batch_ = (last_place_ - place_ + batches - 1) / batches;
+  }
+
+  SELVAGE_INLINE void fetch(Index batch) {
+    const auto* const lines = reinterpret_cast<const char*>(&task_.elements[std::min(batch + kAhead, last_batch_)]);
+    for (std::size_t at = 0; at < sizeof(ElementBatch); at += 64) prefetch(lines + at);
+    for (const Index end = std::min(place_ + places_per_batch_, last_place_); place_ < end; ++place_) {
+      const Index v = task_.block_vertices[place_];
+      prefetch(task_.vertices + v);
+      if constexpr (kDamped) prefetch(task_.start + v);
+    }
+  }
+
+ private:
+  const MaterialTask& task_;
+  Index last_batch_, place_, last_place_, places_per_batch_;
+};
 
 template <bool kDamped, bool kFirst>
-void solve_block(const MaterialTask& task, const MaterialBlock& block) {
+void solve_block(const MaterialTask& task, const MaterialBlock& block, Index next, BlockRows& rows) {
   const MaterialStep& step = task.bodies[block.body];
+  const std::span vertices(task.block_vertices + block.first_vertex, task.block_vertices + block.last_vertex);
+  rows.load<kDamped>(task, vertices);
   for (Index n = block.first_edge_batch; n < block.last_edge_batch; ++n)
     for (int part = 0; part < kBatch; part += WideDouble::kLanes)
-      solve_springs<kDamped, kFirst>(task, step, task.edges[n], part);
+      solve_springs<kDamped, kFirst>(rows, step, task.edges[n], part);
+  Fetcher<kDamped> fetcher(task, block, next);
   const auto solve_elements = [&](const auto& solver) {
     for (Index n = block.first_element_batch; n < block.last_element_batch; ++n) {
-      prefetch_vertices(task, task.elements[n + kAhead < block.last_element_batch ? n + kAhead : n]);
-      for (int part = 0; part < kBatch; part += WideDouble::kLanes) solver.solve(task.elements[n], part);
+      fetcher.fetch(n);
+      for (int part = 0; part < kBatch; part += 2 * WideDouble::kLanes)
+        solver.solve(task.elements[n], part, part + WideDouble::kLanes);
     }
   };
   if (step.kind == MaterialKind::kNeoHookean)
-    solve_elements(ElementSolver<true, kDamped, kFirst>(task, step));
+    solve_elements(ElementSolver<true, kDamped, kFirst>(rows, step));
   else
-    solve_elements(ElementSolver<false, kDamped, kFirst>(task, step));
+    solve_elements(ElementSolver<false, kDamped, kFirst>(rows, step));
+  rows.store(task, vertices);
 }
 
 }  // namespace
 
 void solve_blocks(const MaterialTask& task, Index first, Index last) {
+  BlockRows rows;
   for (Index n = first; n < last; ++n) {
     const MaterialBlock& block = task.blocks[n];
+    const Index next = n + 1 < task.block_count ? n + 1 : n;
     const bool damped = task.bodies[block.body].damping > 0;
     if (task.is_first)
-      damped ? solve_block<true, true>(task, block) : solve_block<false, true>(task, block);
+      damped ? solve_block<true, true>(task, block, next, rows) : solve_block<false, true>(task, block, next, rows);
     else
-      damped ? solve_block<true, false>(task, block) : solve_block<false, false>(task, block);
+      damped ? solve_block<true, false>(task, block, next, rows) : solve_block<false, false>(task, block, next, rows);
   }
 }
 

@@ -17,10 +17,12 @@ struct MaterialStep {
 /// One iteration over the material.
 struct MaterialTask {
   VertexRow* vertices;
-  const VertexRow* start;  ///< the vertices at the start of the step; may be null where no body is damped
+  const VertexRow* start;       ///< the vertices at the start of the step; may be null where no body is damped
+  const Index* block_vertices;  ///< MaterialBlocks::vertices
   ElementBatch* elements;
   EdgeBatch* edges;
   const MaterialBlock* blocks;
+  Index block_count;
   const MaterialStep* bodies;
   bool is_first;  ///< of the step: multipliers start from zero
 };

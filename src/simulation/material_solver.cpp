@@ -39,8 +39,15 @@ void MaterialSolver::solve_best(const MaterialTask& task, Index first, Index las
 
 void MaterialSolver::solve(std::span<VertexRow> vertices, std::span<const VertexRow> start, int first, int last,
                            void (*kernel)(const MaterialTask&, Index first, Index last)) {
-  MaterialTask task{vertices.data(), start.data(), blocks_.elements.data(), blocks_.edges.data(), blocks_.blocks.data(),
-                    bodies_.data(),  true};
+  MaterialTask task{vertices.data(),
+                    start.data(),
+                    blocks_.vertices.data(),
+                    blocks_.elements.data(),
+                    blocks_.edges.data(),
+                    blocks_.blocks.data(),
+                    static_cast<Index>(blocks_.blocks.size()),
+                    bodies_.data(),
+                    true};
   for (int iteration = first; iteration < last; ++iteration) {
     task.is_first = iteration == 0;
     for (Index colour = 0; colour < blocks_.colour_count(); ++colour) {

@@ -10,9 +10,6 @@ class MaterialSolver {
  public:
   MaterialSolver(const Model& model, double time_step);
 
-  /// Rows that the vertices must be followed by.
-  std::span<const VertexRow> stand_ins() const { return blocks_.stand_ins; }
-
   /// Whether solve() needs the vertices at the start of the step.
   bool needs_start() const;
 

@@ -1,33 +1,56 @@
 #include "simulation/material_blocks.h"
 
-#include <bit>
+#include <algorithm>
 
 namespace selvage {
 
-/// First fit: a tuple goes to the first batch that has room and none of its vertices. Which those are, one set of bits
-/// a vertex tells.
+namespace {
+
+/// Numbers from 0 on in descending order of their keys, equal ones in ascending order: places in `sorted`.
+void sort_by_key(std::span<const Index> numbers, std::span<const Index> keys, std::vector<Index>& counts,
+                 std::vector<Index>& sorted) {
+  counts.assign(keys.empty() ? 1 : *std::max_element(keys.begin(), keys.end()) + 2, 0);
+  const auto largest = static_cast<Index>(counts.size()) - 2;
+  for (const Index key : keys) ++counts[largest - key + 1];
+  for (std::size_t k = 1; k < counts.size(); ++k) counts[k] += counts[k - 1];
+  sorted.resize(numbers.size());
+  for (std::size_t i = 0; i < numbers.size(); ++i) sorted[counts[largest - keys[i]]++] = numbers[i];
+}
+
+}  // namespace
+
+/// Batch after batch, first what has the busiest vertices: those that have most tuples left need one of almost every
+/// batch, and left to the end they would each need one of their own.
 template <std::size_t K>
 std::vector<Index> pack_batches(std::span<const std::array<Index, K>> tuples, Index vertex_count) {
-  const std::size_t words = tuples.size() / 64 + 1;  // never more batches than tuples
-  std::vector<std::uint64_t> holders(words * vertex_count), full(words);
-  std::vector<Index> packed;
-  std::vector<std::uint8_t> sizes;
-  for (Index number = 0; number < std::ssize(tuples); ++number) {
-    std::size_t batch = 0;
-    for (std::size_t word = 0; word < words; ++word) {
-      std::uint64_t closed = full[word];
-      for (const Index v : tuples[number]) closed |= holders[words * v + word];
-      batch = 64 * word + std::countr_one(closed);
-      if (~closed != 0) break;
+  std::vector<Index> load(vertex_count, 0), last_batch(vertex_count, kNone);
+  for (const auto& tuple : tuples)
+    for (const Index v : tuple) ++load[v];
+  std::vector<Index> left(tuples.size()), packed, keys, counts, sorted;
+  for (std::size_t i = 0; i < left.size(); ++i) left[i] = static_cast<Index>(i);
+  for (Index batch = 0; !left.empty(); ++batch) {
+    keys.clear();
+    for (const Index number : left) {
+      Index key = 0;
+      for (const Index v : tuples[number]) key += load[v];
+      keys.push_back(key);
     }
-    if (batch == sizes.size()) {
-      sizes.push_back(0);
-      packed.resize(packed.size() + kBatch, kNone);
+    sort_by_key(left, keys, counts, sorted);
+    left.clear();
+    int size = 0;
+    packed.resize(packed.size() + kBatch, kNone);
+    for (const Index number : sorted) {
+      const auto& tuple = tuples[number];
+      if (size == kBatch || std::any_of(tuple.begin(), tuple.end(), [&](Index v) { return last_batch[v] == batch; })) {
+        left.push_back(number);
+        continue;
+      }
+      packed[kBatch * batch + size++] = number;
+      for (const Index v : tuple) {
+        last_batch[v] = batch;
+        --load[v];
+      }
     }
-    packed[kBatch * batch + sizes[batch]] = number;
-    const std::uint64_t bit = std::uint64_t{1} << (batch % 64);
-    for (const Index v : tuples[number]) holders[words * v + batch / 64] |= bit;
-    if (++sizes[batch] == kBatch) full[batch / 64] |= bit;
   }
   return packed;
 }

@@ -75,7 +75,6 @@ Relaxation::Relaxation(const TetMesh& mesh, std::vector<Vec3>& positions, std::s
       push_{std::max(clearance_, kUntanglingClearance) * length_, kPush / kPasses * length_},
       material_(model_, 1) {
   for (const Vec3& p : positions_) vertices_.push_back({{p[0], p[1], p[2]}, 0});
-  vertices_.insert(vertices_.end(), material_.stand_ins().begin(), material_.stand_ins().end());
   is_awake_.resize(positions.size());
   for (const double inverse_mass : model_.inverse_masses) is_free_.push_back(inverse_mass > 0);
   for (const Index v : options.pinned) is_free_[v] = false;

@@ -61,7 +61,7 @@ class Relaxation {
   const double clearance_, max_displacement_;
   Push push_;
   MaterialSolver material_;
-  std::vector<VertexRow> vertices_;  ///< those asleep have no inverse mass; followed by the solver's stand-ins
+  std::vector<VertexRow> vertices_;  ///< those asleep have no inverse mass
   std::vector<std::uint8_t> is_free_, is_awake_;
   std::vector<Index> inverted_;
   std::vector<HeldContact> held_;

@@ -73,7 +73,7 @@ struct XpbdSolver::Parts {
   std::vector<double> reaches;       ///< see project_contacts()
   std::vector<Grip> contact_grips;   ///< (n_contacts)
   std::vector<Grip> obstacle_grips;  ///< (n_vertices x n_obstacles)
-  std::vector<VertexRow> vertices;   ///< as the step moves them, followed by the solver's stand-ins
+  std::vector<VertexRow> vertices;   ///< as the step moves them
   std::vector<VertexRow> start;      ///< the same at the start of the step, where it is needed
   StepStatistics statistics;
 
@@ -88,7 +88,6 @@ struct XpbdSolver::Parts {
       for (const Index v : handle.vertices) places.push_back(initial.positions[v]);
     }
     vertices.resize(model.mesh.vertex_count());
-    vertices.insert(vertices.end(), material.stand_ins().begin(), material.stand_ins().end());
     if (material.needs_start()) start = vertices;
     if (options.contact.mode == DetectionMode::kOff) return;
     std::vector<Index> body_of(vertex_count(), kNone);

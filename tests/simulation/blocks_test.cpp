@@ -21,22 +21,49 @@ std::vector<Model> models() {
   return models;
 }
 
-/// Calls `visit(lane)` for the places of a batch that hold a constraint.
-template <typename Batch, typename Visit>
-void for_each_lane(const Model& model, const Batch& batch, Visit&& visit) {
-  for (int lane = 0; lane < kBatch; ++lane)
-    if (batch.vertices[0][lane] < model.mesh.vertex_count()) visit(lane);
+/// The vertices of a constraint; none where a place of a batch is empty.
+template <typename Batch>
+std::vector<Index> vertices_at(const MaterialBlocks& blocks, const MaterialBlock& block, const Batch& batch, int lane) {
+  std::vector<Index> vertices;
+  const Index count = block.last_vertex - block.first_vertex;
+  for (const auto& rows : batch.rows) {
+    const Index place = rows[lane] / 4;
+    EXPECT_EQ(rows[lane] % 4, 0);
+    EXPECT_LT(place, count + 4);
+    if (place < count) vertices.push_back(blocks.vertices[block.first_vertex + place]);
+  }
+  return vertices;
+}
+
+/// Calls `visit(block, batch, lane, vertices)` for all constraints of a kind.
+template <typename Batches, typename Visit>
+void for_each(const MaterialBlocks& blocks, const Batches& batches, Index MaterialBlock::*first,
+              Index MaterialBlock::*last, Visit&& visit) {
+  for (const MaterialBlock& block : blocks.blocks)
+    for (Index n = block.*first; n < block.*last; ++n)
+      for (int lane = 0; lane < kBatch; ++lane) {
+        const std::vector<Index> vertices = vertices_at(blocks, block, batches[n], lane);
+        if (!vertices.empty()) visit(batches[n], lane, vertices);
+      }
+}
+
+template <typename Visit>
+void for_each_element(const MaterialBlocks& blocks, Visit&& visit) {
+  for_each(blocks, blocks.elements, &MaterialBlock::first_element_batch, &MaterialBlock::last_element_batch, visit);
+}
+template <typename Visit>
+void for_each_edge(const MaterialBlocks& blocks, Visit&& visit) {
+  for_each(blocks, blocks.edges, &MaterialBlock::first_edge_batch, &MaterialBlock::last_edge_batch, visit);
 }
 
 TEST(Blocks, HoldEveryElementAndEdgeOnce) {
   for (const Model& model : models()) {
     const MaterialBlocks blocks = make_material_blocks(model);
     std::map<VertexTuple<4>, int> elements;
-    for (const ElementBatch& batch : blocks.elements)
-      for_each_lane(model, batch, [&](int lane) {
-        ++elements[{batch.vertices[0][lane], batch.vertices[1][lane], batch.vertices[2][lane],
-                    batch.vertices[3][lane]}];
-      });
+    for_each_element(blocks, [&](const ElementBatch&, int, const std::vector<Index>& v) {
+      ASSERT_EQ(v.size(), 4);
+      ++elements[{v[0], v[1], v[2], v[3]}];
+    });
     std::set<VertexTuple<2>> expected_edges;
     for (const auto& e : model.mesh.elements()) {
       ASSERT_EQ(elements[e], 1);
@@ -46,28 +73,17 @@ TEST(Blocks, HoldEveryElementAndEdgeOnce) {
     }
     EXPECT_EQ(std::ssize(elements), model.mesh.element_count());
     std::vector<VertexTuple<2>> edges;
-    for (const EdgeBatch& batch : blocks.edges)
-      for_each_lane(model, batch, [&](int lane) {
-        edges.push_back({batch.vertices[0][lane], batch.vertices[1][lane]});
-        const double length = (model.rest_positions[edges.back()[0]] - model.rest_positions[edges.back()[1]]).norm();
-        ASSERT_EQ(batch.length[lane], length);
-      });
+    for_each_edge(blocks, [&](const EdgeBatch& batch, int lane, const std::vector<Index>& v) {
+      ASSERT_EQ(v.size(), 2);
+      edges.push_back({v[0], v[1]});
+      ASSERT_EQ(batch.length[lane], (model.rest_positions[v[0]] - model.rest_positions[v[1]]).norm());
+    });
     std::sort(edges.begin(), edges.end());
     const bool springs = model.bodies[0].material.kind == MaterialKind::kMassSpring;
     EXPECT_EQ(edges, springs ? std::vector(expected_edges.begin(), expected_edges.end()) : decltype(edges)());
     EXPECT_EQ(blocks.constraint_count,
               springs ? std::ssize(expected_edges) + model.mesh.element_count() : 2 * model.mesh.element_count());
   }
-}
-
-/// Vertices of a block, stand-ins too.
-std::set<Index> vertices_of(const MaterialBlocks& blocks, const MaterialBlock& block) {
-  std::set<Index> vertices;
-  for (Index n = block.first_element_batch; n < block.last_element_batch; ++n)
-    for (const auto& lanes : blocks.elements[n].vertices) vertices.insert(lanes, lanes + kBatch);
-  for (Index n = block.first_edge_batch; n < block.last_edge_batch; ++n)
-    for (const auto& lanes : blocks.edges[n].vertices) vertices.insert(lanes, lanes + kBatch);
-  return vertices;
 }
 
 TEST(Blocks, OfOneColourShareNoVertex) {
@@ -77,7 +93,8 @@ TEST(Blocks, OfOneColourShareNoVertex) {
     for (Index colour = 0; colour < blocks.colour_count(); ++colour) {
       std::set<Index> of_colour;
       for (Index b = blocks.colour_first[colour]; b < blocks.colour_first[colour + 1]; ++b)
-        for (const Index v : vertices_of(blocks, blocks.blocks[b])) ASSERT_TRUE(of_colour.insert(v).second) << v;
+        for (Index i = blocks.blocks[b].first_vertex; i < blocks.blocks[b].last_vertex; ++i)
+          ASSERT_TRUE(of_colour.insert(blocks.vertices[i]).second);
     }
   }
 }
@@ -85,22 +102,49 @@ TEST(Blocks, OfOneColourShareNoVertex) {
 TEST(Blocks, HaveBatchesWithoutACommonVertex) {
   for (const Model& model : models()) {
     const MaterialBlocks blocks = make_material_blocks(model);
-    std::int64_t filled = 0;
-    for (const ElementBatch& batch : blocks.elements) {
-      std::set<Index> vertices;
-      for_each_lane(model, batch, [&](int lane) {
-        ++filled;
-        for (const auto& corner : batch.vertices) ASSERT_TRUE(vertices.insert(corner[lane]).second);
-      });
-    }
-    EXPECT_GT(filled, 0.8 * kBatch * static_cast<double>(blocks.elements.size()));
-    for (const EdgeBatch& batch : blocks.edges) {
-      std::set<Index> vertices;
-      for_each_lane(model, batch, [&](int lane) {
-        for (const auto& end : batch.vertices) ASSERT_TRUE(vertices.insert(end[lane]).second);
-      });
-    }
+    std::map<const void*, std::set<Index>> of_batch;
+    const auto check = [&](const auto& batch, int, const std::vector<Index>& vertices) {
+      for (const Index v : vertices) ASSERT_TRUE(of_batch[&batch].insert(v).second);
+    };
+    for_each_element(blocks, check);
+    for_each_edge(blocks, check);
   }
+}
+
+/// Batches that some constraints need at least: the vertex that most of them share needs one for each.
+std::int64_t least_batches(const MaterialBlocks& blocks, const MaterialBlock& block) {
+  std::map<Index, std::int64_t> loads;
+  std::int64_t count = 0, most = 0;
+  for (Index n = block.first_element_batch; n < block.last_element_batch; ++n)
+    for (int lane = 0; lane < kBatch; ++lane) {
+      const std::vector<Index> vertices = vertices_at(blocks, block, blocks.elements[n], lane);
+      count += !vertices.empty();
+      for (const Index v : vertices) most = std::max(most, ++loads[v]);
+    }
+  return std::max(most, (count + kBatch - 1) / kBatch);
+}
+
+TEST(Blocks, HaveHardlyMoreBatchesThanTheyNeed) {
+  for (const Model& model : models()) {
+    const MaterialBlocks blocks = make_material_blocks(model);
+    std::int64_t least = 0;
+    for (const MaterialBlock& block : blocks.blocks) least += least_batches(blocks, block);
+    EXPECT_LE(std::ssize(blocks.elements), least + least / 50);
+  }
+}
+
+TEST(Blocks, PackAStarIntoOneBatchEach) {
+  std::vector<std::array<Index, 2>> star;
+  for (Index i = 1; i <= 5; ++i) star.push_back({0, i});
+  const std::vector<Index> packed = pack_batches<2>(star, 6);
+  ASSERT_EQ(std::ssize(packed), 5 * kBatch);
+  std::set<Index> seen;
+  for (std::size_t i = 0; i < packed.size(); ++i) {
+    EXPECT_EQ(packed[i] == kNone, i % kBatch != 0);
+    if (packed[i] != kNone) seen.insert(packed[i]);
+  }
+  EXPECT_EQ(seen.size(), 5);
+  EXPECT_TRUE(pack_batches<2>({}, 6).empty());
 }
 
 TEST(Blocks, HaveColoursOfLikeSize) {

@@ -246,7 +246,7 @@ TEST(Resolve, KeepsWhatIsFarFromTheTangle) {
   MeshFile far = make_box(Vec3::Ones(), 0.2);
   for (Vec3& p : far.positions) p += Vec3(5, 5, 5);
   // Long enough that no movement reaches its ends.
-  MeshFile noodle = make_rod(RodCurve::kStraight, 20, 0.2, 0.15);
+  MeshFile noodle = make_rod(RodCurve::kStraight, 30, 0.2, 0.15);
   const std::size_t first = noodle.positions.size();
   apply_pose(noodle, "self-crossing");
   const Resolved r = resolve(concatenate(std::array{noodle, far}));

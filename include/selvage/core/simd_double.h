@@ -1,10 +1,12 @@
 #pragma once
 
 #include "selvage/core/simd.h"
-#include "selvage/core/types.h"
 
 /// As many doubles as a register holds, by the rules of core/simd.h: 8, 4, 2, or 1 where there are no intrinsics. Code
 /// that treats lanes alike, and loops over parts of WideDouble::kLanes, gives the same bits with each.
+///
+/// `load_rows(rows, offsets, column)` gives four numbers of each lane in columns: lane i of column k is
+/// rows[offsets[i] + k]. `store_rows(column, rows, offsets)` is the other way round.
 namespace selvage {
 inline namespace SELVAGE_ISA {
 
@@ -26,11 +28,6 @@ SELVAGE_INLINE WideDouble sqrt(WideDouble a) {
   return {_mm512_maskz_sqrt_pd(0xff, a.v)};
 }
 
-/// The rows of four in columns: lane i of column k is number k of row i, row i being at rows + 4 * index[i].
-SELVAGE_INLINE void load_rows(const double* rows, const Index* index, WideDouble (&column)[4]);
-/// The other way round.
-SELVAGE_INLINE void store_rows(const WideDouble (&column)[4], double* rows, const Index* index);
-
 /// Its own inverse, with rows i and i + 4 in the two halves of register i.
 SELVAGE_INLINE void transpose_rows(const __m512d (&r)[4], __m512d (&c)[4]) {
   const __m512i even = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13), odd = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
@@ -43,22 +40,23 @@ SELVAGE_INLINE void transpose_rows(const __m512d (&r)[4], __m512d (&c)[4]) {
   c[2] = _mm512_permutex2var_pd(ab_low, odd, cd_low);
   c[3] = _mm512_permutex2var_pd(ab_high, odd, cd_high);
 }
-SELVAGE_INLINE void load_rows(const double* rows, const Index* index, WideDouble (&column)[4]) {
+template <typename Offset>
+SELVAGE_INLINE void load_rows(const double* rows, const Offset* offsets, WideDouble (&column)[4]) {
   __m512d r[4], c[4];
   for (int i = 0; i < 4; ++i)
-    r[i] = _mm512_maskz_insertf64x4(
-        0xff, _mm512_castpd256_pd512(_mm256_loadu_pd(rows + 4 * static_cast<std::int64_t>(index[i]))),
-        _mm256_loadu_pd(rows + 4 * static_cast<std::int64_t>(index[i + 4])), 1);
+    r[i] = _mm512_maskz_insertf64x4(0xff, _mm512_castpd256_pd512(_mm256_loadu_pd(rows + offsets[i])),
+                                    _mm256_loadu_pd(rows + offsets[i + 4]), 1);
   transpose_rows(r, c);
   for (int k = 0; k < 4; ++k) column[k].v = c[k];
 }
-SELVAGE_INLINE void store_rows(const WideDouble (&column)[4], double* rows, const Index* index) {
+template <typename Offset>
+SELVAGE_INLINE void store_rows(const WideDouble (&column)[4], double* rows, const Offset* offsets) {
   __m512d r[4];
   const __m512d c[4] = {column[0].v, column[1].v, column[2].v, column[3].v};
   transpose_rows(c, r);
   for (int i = 0; i < 4; ++i) {
-    _mm256_storeu_pd(rows + 4 * static_cast<std::int64_t>(index[i]), _mm512_maskz_extractf64x4_pd(0xf, r[i], 0));
-    _mm256_storeu_pd(rows + 4 * static_cast<std::int64_t>(index[i + 4]), _mm512_maskz_extractf64x4_pd(0xf, r[i], 1));
+    _mm256_storeu_pd(rows + offsets[i], _mm512_maskz_extractf64x4_pd(0xf, r[i], 0));
+    _mm256_storeu_pd(rows + offsets[i + 4], _mm512_maskz_extractf64x4_pd(0xf, r[i], 1));
   }
 }
 
@@ -88,17 +86,19 @@ SELVAGE_INLINE void transpose_rows(const __m256d (&r)[4], __m256d (&c)[4]) {
   c[2] = _mm256_permute2f128_pd(ab_low, cd_low, 0x31);
   c[3] = _mm256_permute2f128_pd(ab_high, cd_high, 0x31);
 }
-SELVAGE_INLINE void load_rows(const double* rows, const Index* index, WideDouble (&column)[4]) {
+template <typename Offset>
+SELVAGE_INLINE void load_rows(const double* rows, const Offset* offsets, WideDouble (&column)[4]) {
   __m256d r[4], c[4];
-  for (int i = 0; i < 4; ++i) r[i] = _mm256_loadu_pd(rows + 4 * static_cast<std::int64_t>(index[i]));
+  for (int i = 0; i < 4; ++i) r[i] = _mm256_loadu_pd(rows + offsets[i]);
   transpose_rows(r, c);
   for (int k = 0; k < 4; ++k) column[k].v = c[k];
 }
-SELVAGE_INLINE void store_rows(const WideDouble (&column)[4], double* rows, const Index* index) {
+template <typename Offset>
+SELVAGE_INLINE void store_rows(const WideDouble (&column)[4], double* rows, const Offset* offsets) {
   __m256d r[4];
   const __m256d c[4] = {column[0].v, column[1].v, column[2].v, column[3].v};
   transpose_rows(c, r);
-  for (int i = 0; i < 4; ++i) _mm256_storeu_pd(rows + 4 * static_cast<std::int64_t>(index[i]), r[i]);
+  for (int i = 0; i < 4; ++i) _mm256_storeu_pd(rows + offsets[i], r[i]);
 }
 
 #elif defined(SELVAGE_SIMD_SSE2)
@@ -118,18 +118,20 @@ SELVAGE_INLINE WideDouble sqrt(WideDouble a) {
   return {_mm_sqrt_pd(a.v)};
 }
 
-SELVAGE_INLINE void load_rows(const double* rows, const Index* index, WideDouble (&column)[4]) {
-  const double* const a = rows + 4 * static_cast<std::int64_t>(index[0]);
-  const double* const b = rows + 4 * static_cast<std::int64_t>(index[1]);
+template <typename Offset>
+SELVAGE_INLINE void load_rows(const double* rows, const Offset* offsets, WideDouble (&column)[4]) {
+  const double* const a = rows + offsets[0];
+  const double* const b = rows + offsets[1];
   for (int k = 0; k < 4; k += 2) {
     const __m128d of_a = _mm_loadu_pd(a + k), of_b = _mm_loadu_pd(b + k);
     column[k].v = _mm_unpacklo_pd(of_a, of_b);
     column[k + 1].v = _mm_unpackhi_pd(of_a, of_b);
   }
 }
-SELVAGE_INLINE void store_rows(const WideDouble (&column)[4], double* rows, const Index* index) {
-  double* const a = rows + 4 * static_cast<std::int64_t>(index[0]);
-  double* const b = rows + 4 * static_cast<std::int64_t>(index[1]);
+template <typename Offset>
+SELVAGE_INLINE void store_rows(const WideDouble (&column)[4], double* rows, const Offset* offsets) {
+  double* const a = rows + offsets[0];
+  double* const b = rows + offsets[1];
   for (int k = 0; k < 4; k += 2) {
     _mm_storeu_pd(a + k, _mm_unpacklo_pd(column[k].v, column[k + 1].v));
     _mm_storeu_pd(b + k, _mm_unpackhi_pd(column[k].v, column[k + 1].v));
@@ -152,11 +154,13 @@ SELVAGE_INLINE WideDouble max(WideDouble a, WideDouble b) {
 SELVAGE_INLINE WideDouble sqrt(WideDouble a) {
   return {__builtin_sqrt(a.v)};
 }
-SELVAGE_INLINE void load_rows(const double* rows, const Index* index, WideDouble (&column)[4]) {
-  for (int k = 0; k < 4; ++k) column[k].v = rows[4 * static_cast<std::int64_t>(index[0]) + k];
+template <typename Offset>
+SELVAGE_INLINE void load_rows(const double* rows, const Offset* offsets, WideDouble (&column)[4]) {
+  for (int k = 0; k < 4; ++k) column[k].v = rows[offsets[0] + k];
 }
-SELVAGE_INLINE void store_rows(const WideDouble (&column)[4], double* rows, const Index* index) {
-  for (int k = 0; k < 4; ++k) rows[4 * static_cast<std::int64_t>(index[0]) + k] = column[k].v;
+template <typename Offset>
+SELVAGE_INLINE void store_rows(const WideDouble (&column)[4], double* rows, const Offset* offsets) {
+  for (int k = 0; k < 4; ++k) rows[offsets[0] + k] = column[k].v;
 }
 
 #endif
