@@ -1,9 +1,11 @@
 #include "bvh/merge_sorted.h"
 #include "self_collision/continuous_kernel.h"
 #include "self_collision/moving_points.h"
+#include "self_collision/neighbour_pairs.h"
 #include "self_collision/pair_filter.h"
 #include "self_collision/search_progress.h"
 #include "self_collision/self_culling.h"
+#include "self_collision/still_stars.h"
 #include "self_collision/swept_pose.h"
 #include "selvage/core/error.h"
 
@@ -105,6 +107,11 @@ ContinuousCounters& ContinuousCounters::operator+=(const ContinuousCounters& oth
 }
 
 struct ContinuousCollisionFinder::State {
+  /// One in so many stars may be measured in a step for them to pay.
+  static constexpr std::int64_t kDearShare = 4;
+  /// Where they do not, ever fewer steps try again: every 2^kMostFailures-th.
+  static constexpr int kMostFailures = 6;
+
   const TriangleMesh& mesh;
   SelfCollisionOptions options;
   std::optional<PairFilter> filter;
@@ -114,6 +121,12 @@ struct ContinuousCollisionFinder::State {
   SurfacePieces pieces;
   GraphTest<2> graph_test;
   SparedPairs spared;
+  std::optional<StillStars> stars;  ///< from the second step on: for one they do not pay
+  bool is_watching = false;         ///< stars know about this step
+  bool trusts_stars = false;        ///< the surface is calm
+  int failures = 0, steps_without_stars = 0;
+  std::vector<LeafVertices> leaves;  ///< where stars have been trusted once
+  std::vector<NeighbourPair> neighbours;
 
   State(const TriangleMesh& m, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1,
         SelfCollisionOptions o)
@@ -134,6 +147,12 @@ struct ContinuousCollisionFinder::State {
   void build() {
     bvh = Bvh(pose.boxes(), options.asked_once ? BuildQuality::kFast : BuildQuality::kBest);
     if (is_culling()) pieces = SurfacePieces(mesh, bvh);
+    if (!neighbours.empty()) list_neighbours_of_leaves();
+  }
+
+  void list_neighbours_of_leaves() {
+    leaves = list_leaf_vertices(bvh, mesh.triangles());
+    neighbours = list_neighbours(bvh, leaves);
   }
 
   /// Culling knows where nothing meets, not how near it is.
@@ -141,8 +160,8 @@ struct ContinuousCollisionFinder::State {
 
   void cull() {
     if (!is_culling()) return;
-    spared =
-        spare_pairs<2>(options, bvh, pieces, {pose.positions_t0(), pose.positions_t1()}, graph_test, pose.rounded());
+    spared = spare_pairs<2>(options, bvh, pieces, {pose.positions_t0(), pose.positions_t1()}, graph_test,
+                            pose.rounded(), trusts_stars);
   }
 
   void update(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
@@ -150,9 +169,39 @@ struct ContinuousCollisionFinder::State {
     bvh.refit(pose.boxes());
     if (bvh.quality_loss() > Bvh::kRebuildAbove) build();
     cull();
+    watch_stars();
+  }
+
+  /// Like culling, stars know where nothing meets. They pay where the surface keeps its shape for some steps, and where
+  /// culling has not already cleared most of it.
+  void watch_stars() {
+    is_watching = false;
+    if (options.method != CullingMethod::kAuto || !is_culling()) return;
+    if (2 * spared.counters.cleared_triangles > mesh.triangle_count()) return;
+    if (steps_without_stars > 0) {
+      --steps_without_stars;
+      return;
+    }
+    if (!stars) stars.emplace(mesh);
+    const bool was_trusting = trusts_stars;
+    trusts_stars = trusts_stars || stars->are_calm(pose.positions_t0(), pose.positions_t1());
+    if (trusts_stars) {
+      if (neighbours.empty()) list_neighbours_of_leaves();
+      stars->place(pose.positions_t0(), pose.positions_t1());
+      is_watching = true;
+      if (!was_trusting) return;
+      if (kDearShare * stars->measured_count() <= stars->count()) {
+        failures = 0;
+        return;
+      }
+    }
+    trusts_stars = false;
+    failures = std::min(failures + 1, kMostFailures);
+    steps_without_stars = (1 << failures) - 1;
   }
 
   void rebuild(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
+    is_watching = false;
     place(positions_t0, positions_t1);
     build();
     cull();
@@ -168,12 +217,18 @@ struct ContinuousCollisionFinder::State {
             options.thickness.empty() ? nullptr : pose.thickness().data(),
             options.thickness.empty() ? nullptr : options.thickness.data(),
             filter ? &*filter : nullptr,
-            spared.nodes()};
+            spared.nodes(),
+            leaves.data(),
+            neighbours};
   }
 
   ContinuousPairs search(std::atomic<bool>* stop, ContinuousCounters* counters) const {
-    const ContinuousScene searched = scene();
     if (counters != nullptr) spared.counters.add_to(*counters);
+    return is_watching ? search_beside_stars(stop, counters) : search_all(stop, counters);
+  }
+
+  ContinuousPairs search_all(std::atomic<bool>* stop, ContinuousCounters* counters) const {
+    const ContinuousScene searched = scene();
     const PairWork work = split_self_pair_work(
         bvh, kPairPieces, [&](NodePair pair) { return !searched.spared.do_hold(bvh.nodes().data(), pair); });
     std::vector<ContinuousResult> results(work.pieces.size() + 1);
@@ -186,6 +241,48 @@ struct ContinuousCollisionFinder::State {
       SELVAGE_DISPATCH(find_continuous_collisions, searched, work.pieces[i], results[i]);
       progress.add(1);
     });
+    return bring_together(results, counters, progress);
+  }
+
+  /// Triangles without a common vertex by the hierarchy, others where their stars are open.
+  ContinuousPairs search_beside_stars(std::atomic<bool>* stop, ContinuousCounters* counters) const {
+    constexpr std::int64_t kStarsAtOnce = 64;
+    const ContinuousScene searched = scene();
+    SelfWork work = split_self_work(bvh, neighbours, searched.spared, kPairPieces);
+    std::erase_if(work.found, [&](const IndexPair& pair) { return do_share_vertex(pair); });
+    const std::span<const Index> open = stars->open();
+    const std::int64_t piece_count = std::ssize(work.pieces);
+    const std::int64_t run_count = (std::ssize(open) + kStarsAtOnce - 1) / kStarsAtOnce;
+    std::vector<ContinuousResult> results(piece_count + run_count + 1);
+    results.back().counters.node_pairs = work.counters.node_pairs;
+    results.back().counters.self_node_pairs = work.counters.self_node_pairs;
+    for (ContinuousResult& result : results) result.stop = stop;
+    SELVAGE_DISPATCH(test_listed_pairs, searched, work.found, results.back());
+    SearchProgress progress(options, std::ssize(results));
+    parallel_ranges(piece_count + run_count, 1, [&](std::int64_t first, std::int64_t last) {
+      const std::int64_t pieces_end = std::clamp(piece_count, first, last);
+      if (first < pieces_end)
+        SELVAGE_DISPATCH(find_meeting_strangers, searched, std::span(work.pieces).subspan(first, pieces_end - first),
+                         results[first]);
+      std::vector<IndexPair> pairs;
+      for (std::int64_t run = pieces_end; run < last; ++run)
+        for (std::int64_t i = kStarsAtOnce * (run - piece_count);
+             i < std::min(kStarsAtOnce * (run - piece_count + 1), std::ssize(open)); ++i)
+          stars->append_pairs(open[i], pairs);
+      if (!pairs.empty()) SELVAGE_DISPATCH(test_listed_pairs, searched, pairs, results[last - 1]);
+      progress.add(last - first);
+    });
+    return bring_together(results, counters, progress);
+  }
+
+  bool do_share_vertex(const IndexPair& pair) const {
+    const auto& a = mesh.triangles()[pair.first];
+    const auto& b = mesh.triangles()[pair.second];
+    return std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
+  }
+
+  static ContinuousPairs bring_together(std::span<ContinuousResult> results, ContinuousCounters* counters,
+                                        SearchProgress& progress) {
     std::vector<std::vector<VertexFacePair>> vertex_face;
     std::vector<std::vector<EdgeEdgePair>> edge_edge;
     for (ContinuousResult& result : results) {

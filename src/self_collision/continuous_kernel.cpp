@@ -155,6 +155,16 @@ class Search {
     triangles_.flush();
   }
 
+  /// Triangles that share no vertex.
+  void run(const SelfPiece& piece) {
+    if (piece.is_listed())
+      search_listed(piece.first, piece.last);
+    else
+      search_strangers(piece.pair, piece.may_share);
+  }
+
+  void flush() { triangles_.flush(); }
+
   void run(std::span<const IndexPair> pairs) {
     result_.counters.box_pairs += std::ssize(pairs);
     for (const IndexPair& pair : pairs) triangles_.add(pair.first, pair.second);
@@ -162,6 +172,47 @@ class Search {
   }
 
  private:
+  void search_strangers(NodePair start, bool may_share) {
+    traversal::visit_meeting<true>(
+        scene_.nodes, scene_.nodes, start, [&](NodePair pair) { return enter(pair); },
+        [&](const PrimitivePairs& pairs) {
+          take({pairs.first, pairs.second,
+                may_share && pairs.bits != 0
+                    ? pairs.bits & ~sharing_pairs(scene_.leaves[pairs.first], scene_.leaves[pairs.second])
+                    : pairs.bits});
+        });
+  }
+
+  /// Neighbours, one after the other as they are listed, and all that is met below them.
+  void search_listed(Index first, Index last) {
+    for (Index place = first; place < last; ++place) {
+      const NeighbourPair& listed = scene_.neighbours[place];
+      if (listed.neighbours == NeighbourPair::kUnlisted)
+        search_strangers(listed.pair, true);
+      else if (enter(listed.pair))
+        compare_listed(listed);
+      else
+        place = listed.end - 1;
+    }
+  }
+
+  SELVAGE_INLINE void compare_listed(const NeighbourPair& listed) {
+    const NodePair pair = listed.pair;
+    const BvhNode &a = scene_.nodes[pair.a], &b = scene_.nodes[pair.b];
+    std::uint64_t strangers = traversal::meeting_children(a, b) & ~listed.neighbours;
+    if (pair.a == pair.b) strangers &= traversal::kAboveDiagonal;
+    if (strangers == 0) return;
+    traversal::hand_on_children(
+        a, b, pair, strangers, [&](NodePair next) { search_strangers(next, false); },
+        [&](const PrimitivePairs& pairs) { take(pairs); });
+  }
+
+  SELVAGE_INLINE void take(const PrimitivePairs& pairs) {
+    result_.counters.box_pairs += count_bits(pairs.bits);
+    traversal::visit_each(scene_.nodes, scene_.nodes, pairs,
+                          [&](Index first, Index second) { triangles_.add(first, second); });
+  }
+
   /// The one place where a pair of nodes is left out although their boxes meet.
   SELVAGE_INLINE bool enter(NodePair pair) {
     if (result_.stop != nullptr && result_.stop->load(std::memory_order_relaxed)) return false;
@@ -180,6 +231,12 @@ class Search {
 
 void find_continuous_collisions(const ContinuousScene& scene, NodePair start, ContinuousResult& result) {
   Search(scene, result).run(start);
+}
+
+void find_meeting_strangers(const ContinuousScene& scene, std::span<const SelfPiece> pieces, ContinuousResult& result) {
+  Search search(scene, result);
+  for (const SelfPiece& piece : pieces) search.run(piece);
+  search.flush();
 }
 
 void test_listed_pairs(const ContinuousScene& scene, std::span<const IndexPair> pairs, ContinuousResult& result) {

@@ -5,9 +5,11 @@
 
 namespace selvage {
 
-// Finds what meets of the triangles below a pair of nodes, and of listed pairs of triangles.
-#define SELVAGE_CONTINUOUS_KERNEL                                                             \
-  void find_continuous_collisions(const ContinuousScene&, NodePair start, ContinuousResult&); \
+// Finds what meets of the triangles below a pair of nodes; of those in pieces of a list of neighbours that share no
+// vertex; and of listed pairs of triangles.
+#define SELVAGE_CONTINUOUS_KERNEL                                                                     \
+  void find_continuous_collisions(const ContinuousScene&, NodePair start, ContinuousResult&);         \
+  void find_meeting_strangers(const ContinuousScene&, std::span<const SelfPiece>, ContinuousResult&); \
   void test_listed_pairs(const ContinuousScene&, std::span<const IndexPair>, ContinuousResult&);
 namespace baseline {
 SELVAGE_CONTINUOUS_KERNEL

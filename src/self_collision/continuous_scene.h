@@ -1,5 +1,7 @@
 #pragma once
 
+#include "self_collision/leaf_vertices.h"
+#include "self_collision/neighbour_pair.h"
 #include "self_collision/spared_nodes.h"
 #include "selvage/self_collision/continuous_collision.h"
 
@@ -35,6 +37,8 @@ struct ContinuousScene {
   const double* vertex_thickness;  ///< per vertex [m]; null: none
   const PairFilter* filter;        ///< null: keeps all
   SparedNodes spared = {};
+  const LeafVertices* leaves = nullptr;            ///< per node; for a search of strangers alone
+  std::span<const NeighbourPair> neighbours = {};  ///< likewise
 };
 
 /// What one piece of a search brings.

@@ -49,10 +49,11 @@ void clear_from_root(const Bvh& bvh, const SurfacePieces& pieces, Index smallest
 /// Whether a sample of the smallest pieces, the likeliest to be graphs, has enough of them to pay for asking all. What
 /// is measured for the sample need not be measured again, but it is little.
 template <int kSteps>
-bool is_worth_asking(const SurfacePieces& pieces, GraphTest<kSteps>& test) {
+bool is_worth_asking(const SurfacePieces& pieces, GraphTest<kSteps>& test, bool knows_neighbours) {
   constexpr std::size_t kOneOf = 16, kFewestSampled = 16, kMostSampled = 32;
-  // What has to be clear for one that is asked: a triangle spared brings more where it would be compared during a step.
-  constexpr double kWorthwhileShare = kSteps == 1 ? 0.75 : 1.0 / 16;
+  // What has to be clear for one that is asked: a triangle spared brings more where it would be compared during a step
+  // with its neighbours.
+  const double worthwhile_share = kSteps == 1 || knows_neighbours ? 0.75 : 1.0 / 16;
   std::vector<Index> small;
   for (std::size_t n = 0; n < pieces.ranges().size(); ++n)
     if (const Index size = pieces.ranges()[n].size(); size >= kSmallestPiece && size < 4 * kSmallestPiece)
@@ -61,7 +62,7 @@ bool is_worth_asking(const SurfacePieces& pieces, GraphTest<kSteps>& test) {
   const std::size_t step = std::max(std::min(kOneOf, small.size() / kFewestSampled), small.size() / kMostSampled);
   std::int64_t may_fail = 0;
   for (std::size_t i = 0; i < small.size(); i += step) may_fail += pieces.ranges()[small[i]].size();
-  may_fail = static_cast<std::int64_t>((1 - kWorthwhileShare) * static_cast<double>(may_fail));
+  may_fail = static_cast<std::int64_t>((1 - worthwhile_share) * static_cast<double>(may_fail));
   typename GraphTest<kSteps>::Workspace workspace;
   for (std::size_t i = 0; i < small.size() && may_fail >= 0; i += step) {
     const SurfacePieces::Range range = pieces.ranges()[small[i]];
@@ -113,13 +114,13 @@ void spare_as_published(bool simple_traversal, const Bvh& bvh, SurfacePieces& pi
 template <int kSteps>
 SparedPairs spare_pairs(const SelfCollisionOptions& options, const Bvh& bvh, SurfacePieces& pieces,
                         const typename GraphTest<kSteps>::Poses& poses, GraphTest<kSteps>& test,
-                        std::span<const MovingRow> rounded) {
+                        std::span<const MovingRow> rounded, bool knows_neighbours) {
   const CullingMethod method = options.method;
   SparedPairs spared;
   if (method == CullingMethod::kBvh || bvh.nodes().empty()) return spared;
   if (method == CullingMethod::kAuto) {
     test.take(pieces, poses, rounded);
-    if (!is_worth_asking(pieces, test)) return spared;
+    if (!is_worth_asking(pieces, test, knows_neighbours)) return spared;
     test.measure({0, static_cast<Index>(pieces.triangles().size())});
     clear_from_root<typename GraphTest<kSteps>::Workspace>(
         bvh, pieces, kSmallestPiece, spared,
@@ -160,8 +161,8 @@ SparedPairs spare_pairs(const SelfCollisionOptions& options, const Bvh& bvh, Sur
 }
 
 template SparedPairs spare_pairs<1>(const SelfCollisionOptions&, const Bvh&, SurfacePieces&, const GraphTest<1>::Poses&,
-                                    GraphTest<1>&, std::span<const MovingRow>);
+                                    GraphTest<1>&, std::span<const MovingRow>, bool);
 template SparedPairs spare_pairs<2>(const SelfCollisionOptions&, const Bvh&, SurfacePieces&, const GraphTest<2>::Poses&,
-                                    GraphTest<2>&, std::span<const MovingRow>);
+                                    GraphTest<2>&, std::span<const MovingRow>, bool);
 
 }  // namespace selvage

@@ -42,9 +42,10 @@ struct SparedPairs {
 ///
 /// @param test     memory to use again for every pose
 /// @param rounded  a step as seen in a frame (see GraphTest)
+/// @param knows_neighbours  whether most triangles are known not to meet their neighbours without that
 template <int kSteps>
 SparedPairs spare_pairs(const SelfCollisionOptions& options, const Bvh& bvh, SurfacePieces& pieces,
                         const typename GraphTest<kSteps>::Poses& poses, GraphTest<kSteps>& test,
-                        std::span<const MovingRow> rounded = {});
+                        std::span<const MovingRow> rounded = {}, bool knows_neighbours = false);
 
 }  // namespace selvage

@@ -1,0 +1,205 @@
+#include "self_collision/still_stars.h"
+
+#include "selvage/core/parallel.h"
+#include "selvage/geometry/closest_point.h"
+#include "selvage/geometry/distance.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <optional>
+
+namespace selvage {
+
+namespace {
+
+/// A star takes some hundred nanoseconds, or microseconds where it is measured.
+constexpr std::int64_t kStarGrain = 256;
+/// Vertices with more triangles make too many pairs to be measured.
+constexpr std::size_t kMostTriangles = 24;
+/// A triangle with a smaller sine of an angle has no star measured: how far it is from others would be known too badly.
+constexpr double kLeastSine = 1e-3;
+/// Part of a star's size that a distance may be wrong by, and more: it is computed in doubles, where sines are at least
+/// kLeastSine and edges may be nearly parallel.
+constexpr double kSlack = 1e-6;
+/// Of a star that does not become still, ever fewer steps measure it again: every 2^kMostPatience-th.
+constexpr int kMostPatience = 6;
+/// Stars asked whether all are calm, and in how many steps like the present one a calm one would use up its reach.
+constexpr std::int64_t kSampledStars = 64;
+constexpr double kCalmSteps = 8;
+
+using Frame = Eigen::Matrix3d;
+
+/// Axes that turn with a triangle of the star, in columns; orthonormal up to rounding. Which ones does not matter.
+std::optional<Frame> frame_of(const VertexTuple<3>& triangle, Index vertex, std::span<const Vec3> positions) {
+  const int k = triangle[0] == vertex ? 0 : triangle[1] == vertex ? 1 : 2;
+  const Vec3 along = positions[triangle[(k + 1) % 3]] - positions[vertex];
+  const Vec3 across = along.cross(positions[triangle[(k + 2) % 3]] - positions[vertex]);
+  const double length = along.norm(), area = across.norm();
+  if (!(length > 0) || !(area > 0)) return std::nullopt;
+  Frame frame;
+  frame.col(0) = along / length;
+  frame.col(1) = across / area;
+  frame.col(2) = frame.col(0).cross(frame.col(1));
+  return frame;
+}
+
+bool contains(const VertexTuple<3>& triangle, Index vertex) {
+  return std::find(triangle.begin(), triangle.end(), vertex) != triangle.end();
+}
+
+/// The edge of a triangle that is opposite to a vertex.
+std::array<Index, 2> opposite(const VertexTuple<3>& triangle, Index vertex) {
+  const int k = triangle[0] == vertex ? 0 : triangle[1] == vertex ? 1 : 2;
+  return {triangle[(k + 1) % 3], triangle[(k + 2) % 3]};
+}
+
+bool is_well_shaped(const VertexTuple<3>& triangle, std::span<const Vec3> positions) {
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 a = positions[triangle[(k + 1) % 3]] - positions[triangle[k]];
+    const Vec3 b = positions[triangle[(k + 2) % 3]] - positions[triangle[k]];
+    if (!(a.cross(b).squaredNorm() > kLeastSine * kLeastSine * a.squaredNorm() * b.squaredNorm())) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+StillStars::StillStars(const TriangleMesh& mesh)
+    : mesh_(mesh), first_(mesh.vertex_count() + 1, 0), stars_(mesh.vertex_count()), is_open_(mesh.vertex_count(), 0) {
+  for (Index v = 0; v < mesh.vertex_count(); ++v) {
+    const auto begin = static_cast<std::ptrdiff_t>(around_.size());
+    for (const Index t : mesh.vertex_triangles(v))
+      for (const Index w : mesh.triangles()[t])
+        if (w != v) around_.push_back(w);
+    std::sort(around_.begin() + begin, around_.end());
+    around_.erase(std::unique(around_.begin() + begin, around_.end()), around_.end());
+    first_[v + 1] = static_cast<Index>(around_.size());
+    if (mesh.vertex_triangles(v).size() > 1) middles_.push_back(v);
+  }
+  shape_.resize(around_.size());
+}
+
+/// The least distance of what shares no vertex, less what it may be wrong by; 0 where that is not known.
+double StillStars::separation(Index vertex, std::span<const Vec3> positions) const {
+  const auto triangles = mesh_.vertex_triangles(vertex);
+  const auto others = around(vertex);
+  if (triangles.size() > kMostTriangles) return 0;
+  const Vec3& middle = positions[vertex];
+  double size = 0, least = std::numeric_limits<double>::infinity();
+  for (const Index w : others) size = std::max(size, (positions[w] - middle).norm());
+  for (const Index t : triangles)
+    if (!is_well_shaped(mesh_.triangles()[t], positions)) return 0;
+  for (const Index t : triangles) {
+    const auto& [a, b, c] = mesh_.triangles()[t];
+    const auto& rim = opposite(mesh_.triangles()[t], vertex);
+    const std::array<Vec3, 2> edge = {positions[rim[0]], positions[rim[1]]};
+    for (const Index w : others) {
+      if (contains(mesh_.triangles()[t], w)) continue;
+      const Vec3 nearest = closest_point_on_triangle(positions[w], positions[a], positions[b], positions[c]).point;
+      least = std::min(least, (nearest - positions[w]).squaredNorm());
+      least = std::min(least, squared_distance(edge, std::array<Vec3, 2>{middle, positions[w]}));
+    }
+    for (const Index u : triangles) {
+      const auto& other = opposite(mesh_.triangles()[u], vertex);
+      if (u <= t || rim[0] == other[0] || rim[0] == other[1] || rim[1] == other[0] || rim[1] == other[1]) continue;
+      least = std::min(least, squared_distance(edge, std::array<Vec3, 2>{positions[other[0]], positions[other[1]]}));
+    }
+  }
+  return std::max(0.0, std::sqrt(least) - kSlack * size);
+}
+
+void StillStars::measure(Index vertex, std::span<const Vec3> positions) {
+  const auto frame = frame_of(mesh_.triangles()[mesh_.vertex_triangles(vertex).front()], vertex, positions);
+  stars_[vertex].reach = 0;
+  if (!frame) return;
+  stars_[vertex].reach = 0.5 * separation(vertex, positions);
+  for (Index i = first_[vertex]; i < first_[vertex + 1]; ++i)
+    shape_[i] = frame->transpose() * (positions[around_[i]] - positions[vertex]);
+}
+
+/// Seen from the middle each vertex moves on a straight line, so that it is farthest from where it was at one of the
+/// ends; two points of triangles around the middle come nearer by at most twice what their vertices moved.
+bool StillStars::is_within_reach(Index vertex, std::span<const Vec3> positions_t0,
+                                 std::span<const Vec3> positions_t1) const {
+  const double reach = stars_[vertex].reach;
+  if (!(reach > 0)) return false;
+  const auto frame = frame_of(mesh_.triangles()[mesh_.vertex_triangles(vertex).front()], vertex, positions_t0);
+  if (!frame) return false;
+  double farthest = 0;
+  for (Index i = first_[vertex]; i < first_[vertex + 1]; ++i) {
+    const Vec3 place = *frame * shape_[i];
+    const Vec3 moved_t0 = positions_t0[around_[i]] - positions_t0[vertex] - place;
+    const Vec3 moved_t1 = positions_t1[around_[i]] - positions_t1[vertex] - place;
+    farthest = std::max({farthest, moved_t0.squaredNorm(), moved_t1.squaredNorm()});
+  }
+  return farthest < reach * reach;
+}
+
+/// Returns whether the star has been measured.
+bool StillStars::update(Index vertex, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
+  Star& star = stars_[vertex];
+  is_open_[vertex] = 0;
+  if (is_within_reach(vertex, positions_t0, positions_t1)) return false;
+  is_open_[vertex] = 1;
+  if (star.waiting > 0) {
+    --star.waiting;
+    return false;
+  }
+  measure(vertex, positions_t0);
+  if (is_within_reach(vertex, positions_t0, positions_t1)) {
+    is_open_[vertex] = 0;
+    star.patience = 0;
+  } else {
+    star.patience = static_cast<std::uint8_t>(std::min(star.patience + 1, kMostPatience));
+    star.waiting = static_cast<std::uint8_t>((1 << star.patience) - 1);
+  }
+  return true;
+}
+
+void StillStars::place(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
+  struct Count {
+    std::int64_t value = 0;
+    void add(const Count& other) { value += other.value; }
+  };
+  measured_count_ = parallel_reduce<Count>(std::ssize(middles_), kStarGrain,
+                                           [&](std::int64_t first, std::int64_t last, Count& measured) {
+                                             for (std::int64_t i = first; i < last; ++i)
+                                               measured.value += update(middles_[i], positions_t0, positions_t1);
+                                           })
+                        .value;
+  open_.clear();
+  for (const Index v : middles_)
+    if (is_open_[v] != 0) open_.push_back(v);
+}
+
+bool StillStars::is_calm(Index vertex, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) const {
+  const double reach = 0.5 * separation(vertex, positions_t0) / kCalmSteps;
+  const auto others = around(vertex);
+  return std::all_of(others.begin(), others.end(), [&](Index w) {
+    const Vec3 change = (positions_t1[w] - positions_t1[vertex]) - (positions_t0[w] - positions_t0[vertex]);
+    return change.squaredNorm() < reach * reach;
+  });
+}
+
+bool StillStars::are_calm(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) const {
+  const std::int64_t asked = std::min(kSampledStars, count());
+  std::int64_t calm = 0;
+  for (std::int64_t i = 0; i < asked; ++i) calm += is_calm(middles_[i * count() / asked], positions_t0, positions_t1);
+  return 4 * calm >= 3 * asked;
+}
+
+void StillStars::append_pairs(Index vertex, std::vector<IndexPair>& pairs) const {
+  const auto triangles = mesh_.vertex_triangles(vertex);
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    for (std::size_t k = i + 1; k < triangles.size(); ++k) {
+      const auto& a = mesh_.triangles()[triangles[i]];
+      const auto& b = mesh_.triangles()[triangles[k]];
+      const bool is_elsewhere = std::any_of(a.begin(), a.end(), [&](Index v) {
+        return v != vertex && contains(b, v) && (is_open_[v] == 0 || v < vertex);
+      });
+      if (!is_elsewhere) pairs.emplace_back(triangles[i], triangles[k]);
+    }
+}
+
+}  // namespace selvage
