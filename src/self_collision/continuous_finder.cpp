@@ -24,10 +24,10 @@ std::vector<MovingTriangle> assign_features(const TriangleMesh& mesh) {
   std::vector<MovingTriangle> triangles(mesh.triangle_count());
   parallel_for(mesh.triangle_count(), kGrain, [&](std::int64_t t) {
     MovingTriangle& triangle = triangles[t];
-    triangle = {mesh.triangles()[t], mesh.triangle_edges()[t], 0};
+    triangle = {mesh.triangles()[t], 0};
     for (int i = 0; i < 3; ++i) {
       triangle.owned |= (mesh.vertex_triangles(triangle.vertices[i]).front() == t) << i;
-      triangle.owned |= (mesh.edge_triangles(triangle.edges[i]).front() == t) << (3 + i);
+      triangle.owned |= (mesh.edge_triangles(mesh.triangle_edges()[t][i]).front() == t) << (3 + i);
     }
   });
   return triangles;
@@ -210,6 +210,7 @@ struct ContinuousCollisionFinder::State {
   ContinuousScene scene() const {
     return {bvh.nodes(),
             triangles.data(),
+            mesh.triangle_edges().data(),
             mesh.edges().data(),
             pose.positions_t0().data(),
             pose.positions_t1().data(),

@@ -8,45 +8,64 @@ inline namespace SELVAGE_ISA {
 
 namespace {
 
-/// Bit `k` of eight bytes.
-SELVAGE_INLINE unsigned gather_bits(std::uint64_t bytes, int k) {
-  return static_cast<unsigned>(((bytes >> k & 0x0101010101010101u) * 0x0102040810204080u) >> 56);
+/// An integer in all lanes.
+SELVAGE_INLINE Float8 wide_bits(std::int32_t x) {
+  return Float8::broadcast(std::bit_cast<float>(x));
 }
 
-SELVAGE_INLINE unsigned equal_lanes(const Index (&a)[8], const Index (&b)[8]) {
-  return equal_bits(Float8::load(reinterpret_cast<const float*>(a)), Float8::load(reinterpret_cast<const float*>(b)));
+SELVAGE_INLINE Float4 row_of(const MovingTriangle& triangle) {
+  return Float4::load(reinterpret_cast<const float*>(&triangle));
+}
+
+SELVAGE_INLINE bool do_share_vertex(const MovingTriangle& a, const MovingTriangle& b) {
+  const auto has = [&](Index v) { return equal_lanes(row_of(a), Float4::broadcast(std::bit_cast<float>(v))); };
+  return (sign_bits(or_bits(or_bits(has(b.vertices[0]), has(b.vertices[1])), has(b.vertices[2]))) & 7u) != 0;
 }
 
 /// Eight pairs of triangles, feature by feature.
 struct TriangleFeatures {
-  Index vertices[6][EightPairs::kSize];  ///< corners of the first ones, then of the second ones
-  std::uint64_t owned[2];                ///< a byte for each pair: bits of what the first and the second one owns
+  alignas(32) Index vertices[6][EightPairs::kSize];  ///< corners of the first ones, then of the second ones
+  Float8 owned[2];                                   ///< bits of what the first and the second ones own
 
-  SELVAGE_INLINE TriangleFeatures(const ContinuousScene& scene, const EightPairs& pairs) : owned{0, 0} {
-    for (int i = 0; i < EightPairs::kSize; ++i) {
-      const MovingTriangle& a = scene.triangles[pairs.first[i]];
-      const MovingTriangle& b = scene.triangles[pairs.second[i]];
-      for (int k = 0; k < 3; ++k) {
-        vertices[k][i] = a.vertices[k];
-        vertices[3 + k][i] = b.vertices[k];
-      }
-      owned[0] |= std::uint64_t{a.owned} << 8 * i;
-      owned[1] |= std::uint64_t{b.owned} << 8 * i;
+  SELVAGE_INLINE TriangleFeatures(const ContinuousScene& scene, const EightPairs& pairs) {
+    for (const int side : {0, 1}) {
+      const Index* const triangles = side == 0 ? pairs.first : pairs.second;
+      Float8 rows[4];
+      for (int i = 0; i < 4; ++i)
+        rows[i] = Float8::join(row_of(scene.triangles[triangles[i]]), row_of(scene.triangles[triangles[i + 4]]));
+      transpose(rows[0], rows[1], rows[2], rows[3]);
+      for (int k = 0; k < 3; ++k) rows[k].store(reinterpret_cast<float*>(vertices[3 * side + k]));
+      owned[side] = rows[3];
     }
   }
-  SELVAGE_INLINE unsigned owned_vertex(int side, int k) const { return gather_bits(owned[side], k); }
-  SELVAGE_INLINE unsigned owned_edge(int side, int k) const { return gather_bits(owned[side], 3 + k); }
+  SELVAGE_INLINE unsigned owned_vertex(int side, int k) const { return lanes_with(owned[side], 1 << k); }
+  SELVAGE_INLINE unsigned owned_edge(int side, int k) const { return lanes_with(owned[side], 8 << k); }
+
+  /// Lanes in which corner i of the first and corner j of the second are one vertex.
+  SELVAGE_INLINE unsigned same_corner(int i, int j) const {
+    return equal_bits(Float8::load(reinterpret_cast<const float*>(vertices[i])),
+                      Float8::load(reinterpret_cast<const float*>(vertices[3 + j])));
+  }
+
+ private:
+  SELVAGE_INLINE static unsigned lanes_with(Float8 bits, std::int32_t bit) {
+    return equal_bits(and_bits(bits, wide_bits(bit)), wide_bits(bit));
+  }
 };
 
-/// Pairs of triangles whose boxes meet, looked at eight at once: first both as a whole, then of what they own each with
-/// what the other has.
+/// Pairs of triangles whose boxes meet, looked at eight at once: first both as a whole, unless they have a vertex in
+/// common, then of what they own each with what the other has.
 class TriangleBatch {
  public:
   TriangleBatch(const ContinuousScene& scene, ContinuousResult& result)
       : scene_(scene), result_(result), vertex_face_(scene, result), edge_edge_(scene, result) {}
 
   SELVAGE_INLINE void add(Index first, Index second) {
-    if (pairs_.add(first, second)) test_triangles();
+    if (do_share_vertex(scene_.triangles[first], scene_.triangles[second])) {
+      if (near_.add(first, second)) test_features();
+    } else if (pairs_.add(first, second)) {
+      test_triangles();
+    }
   }
 
   void flush() {
@@ -74,7 +93,7 @@ class TriangleBatch {
     const MovingSets<3, 3> sets(scene_.rounded, features.vertices, scene_.thickness);
     unsigned same[3][3];  // corners that are one vertex
     for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) same[i][j] = equal_lanes(features.vertices[i], features.vertices[3 + j]);
+      for (int j = 0; j < 3; ++j) same[i][j] = features.same_corner(i, j);
     unsigned vertex_face[2][3], edge_edge[3][3];
     for (int i = 0; i < 3; ++i) {
       vertex_face[0][i] = lanes & features.owned_vertex(0, i) & ~(same[i][0] | same[i][1] | same[i][2]);
@@ -122,7 +141,8 @@ class TriangleBatch {
     const auto& v = features.vertices;
     for (; lanes != 0; lanes &= lanes - 1) {
       const int lane = lowest_lane(lanes);
-      const Index e = scene_.triangles[near_.first[lane]].edges[i], f = scene_.triangles[near_.second[lane]].edges[j];
+      const Index e = scene_.triangle_edges[near_.first[lane]][i];
+      const Index f = scene_.triangle_edges[near_.second[lane]][j];
       ++result_.counters.edge_edge_boxes;
       edge_edge_.add(
           {e < f ? e : f,

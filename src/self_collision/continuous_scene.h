@@ -17,11 +17,10 @@ struct alignas(32) MovingRow {
   float coordinates[8];
 };
 
-/// The corners of a triangle that is looked at, the edges opposite to them, and which of both are its own to answer
-/// for: bit k for vertex k, bit 3 + k for edge k.
-struct MovingTriangle {
+/// The corners of a triangle that is looked at, and which of its features are its own to answer for: bit k for vertex
+/// k, bit 3 + k for the edge opposite to it. Loaded as a row of four.
+struct alignas(16) MovingTriangle {
   VertexTuple<3> vertices;
-  std::array<Index, 3> edges;
   std::uint32_t owned;
 };
 
@@ -29,6 +28,7 @@ struct MovingTriangle {
 struct ContinuousScene {
   std::span<const BvhNode> nodes;
   const MovingTriangle* triangles;
+  const std::array<Index, 3>* triangle_edges;  ///< opposite to the corners of each triangle
   const VertexTuple<2>* edges;
   const Vec3* positions_t0;
   const Vec3* positions_t1;
