@@ -20,8 +20,8 @@ namespace selvage {
 namespace {
 
 /// Gives every vertex and every edge to the first of its triangles.
-std::vector<MovingTriangle> assign_features(const TriangleMesh& mesh) {
-  std::vector<MovingTriangle> triangles(mesh.triangle_count());
+UnsetVector<MovingTriangle> assign_features(const TriangleMesh& mesh) {
+  UnsetVector<MovingTriangle> triangles(mesh.triangle_count());
   parallel_for(mesh.triangle_count(), kGrain, [&](std::int64_t t) {
     MovingTriangle& triangle = triangles[t];
     triangle = {mesh.triangles()[t], 0};
@@ -115,7 +115,7 @@ struct ContinuousCollisionFinder::State {
   const TriangleMesh& mesh;
   SelfCollisionOptions options;
   std::optional<PairFilter> filter;
-  std::vector<MovingTriangle> triangles;
+  UnsetVector<MovingTriangle> triangles;
   SweptPose pose;
   Bvh bvh;
   SurfacePieces pieces;

@@ -12,7 +12,7 @@ namespace selvage {
 class PairFilter;
 
 /// Where a vertex is in the frame at the start of a step (x, y, z, 0) and at its end (x, y, z, 0), each coordinate
-/// rounded down to a float.
+/// rounded to the nearest float.
 struct alignas(32) MovingRow {
   float coordinates[8];
 };

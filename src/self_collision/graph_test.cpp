@@ -37,7 +37,7 @@ CrossProduct average(const CrossProduct& a, const CrossProduct& b) {
   return middle;
 }
 
-void store_area(std::array<std::vector<float>, 4>& rows, std::size_t place, const CrossProduct& area) {
+void store_area(std::array<UnsetVector<float>, 4>& rows, std::size_t place, const CrossProduct& area) {
   double length = 0;
   for (int k = 0; k < 3; ++k) {
     rows[k][place] = static_cast<float>(area.value[k]);

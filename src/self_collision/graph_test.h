@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/unset_vector.h"
 #include "self_collision/contour_kernel.h"
 #include "self_collision/surface_pieces.h"
 
@@ -65,8 +66,8 @@ class GraphTest {
   SurfacePieces* pieces_ = nullptr;
   Poses poses_;
   Rounded rounded_;
-  std::array<std::array<std::vector<float>, 4>, kCoefficients> areas_;
-  std::vector<Vec3> group_areas_;  ///< of consecutive triangles together
+  std::array<std::array<UnsetVector<float>, 4>, kCoefficients> areas_;
+  UnsetVector<Vec3> group_areas_;  ///< of consecutive triangles together
 };
 
 /// The plane across a vector, which need not have unit length; a zero normal where it has no length.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/unset_vector.h"
 #include "self_collision/continuous_scene.h"
 #include "self_collision/surface_pose.h"
 
@@ -26,10 +27,10 @@ class SweptPose {
   std::span<const Box> boxes() const { return boxes_; }
 
  private:
-  std::vector<Vec3> positions_t0_, positions_t1_;
-  std::vector<MovingRow> rounded_;
-  std::vector<float> thickness_;
-  std::vector<Box> vertex_boxes_, boxes_;
+  UnsetVector<Vec3> positions_t0_, positions_t1_;
+  UnsetVector<MovingRow> rounded_;
+  UnsetVector<float> thickness_;
+  UnsetVector<Box> boxes_;
 };
 
 }  // namespace selvage
