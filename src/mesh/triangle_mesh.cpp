@@ -5,6 +5,7 @@
 #include "selvage/core/parallel.h"
 
 #include <algorithm>
+#include <atomic>
 #include <numeric>
 
 namespace selvage {
@@ -19,13 +20,18 @@ class Spoke {
  public:
   /// @param other     the edge's larger vertex
   /// @param opposite  number of the triangle's vertex that is not on the edge
-  Spoke(Index other, Index triangle, int opposite)
-      : code_(static_cast<std::uint64_t>(other) << 32 | static_cast<std::uint32_t>(triangle) << 2 |
-              static_cast<std::uint32_t>(opposite)) {}
+  /// @param outward   whether the triangle runs along the edge towards the larger vertex
+  Spoke(Index other, Index triangle, int opposite, bool outward)
+      : code_(static_cast<std::uint64_t>(other) << 32 | static_cast<std::uint32_t>(triangle) << 3 |
+              static_cast<std::uint32_t>(opposite) << 1 | static_cast<std::uint32_t>(outward)) {}
 
   Index other() const { return static_cast<Index>(code_ >> 32); }
-  Index triangle() const { return static_cast<Index>(static_cast<std::uint32_t>(code_) >> 2); }
-  int opposite() const { return static_cast<int>(code_ & 3); }
+  Index triangle() const { return static_cast<Index>(static_cast<std::uint32_t>(code_) >> 3); }
+  int opposite() const { return static_cast<int>(code_ >> 1 & 3); }
+  bool is_outward() const { return (code_ & 1) != 0; }
+
+  /// As TriangleMesh::neighbours() tells what lies across an edge.
+  Index neighbour_code() const { return 4 * triangle() + opposite(); }
 
   friend auto operator<=>(const Spoke&, const Spoke&) = default;
 
@@ -40,8 +46,8 @@ void gather_spokes(const TriangleMesh& mesh, Index v, std::vector<Spoke>& spokes
     const auto& vertices = mesh.triangles()[t];
     const int place = vertices[0] == v ? 0 : vertices[1] == v ? 1 : 2;
     const int next = place == 2 ? 0 : place + 1, last = place == 0 ? 2 : place - 1;
-    if (vertices[next] > v) spokes.emplace_back(vertices[next], t, last);
-    if (vertices[last] > v) spokes.emplace_back(vertices[last], t, next);
+    if (vertices[next] > v) spokes.emplace_back(vertices[next], t, last, true);
+    if (vertices[last] > v) spokes.emplace_back(vertices[last], t, next, false);
   }
   std::sort(spokes.begin() + first, spokes.end());
 }
@@ -87,21 +93,32 @@ TriangleMesh::TriangleMesh(Index vertex_count, std::vector<Triangle> triangles)
   edge_triangle_first_.back() = first_spoke.back();
   edge_triangle_.resize(first_spoke.back());
   triangle_edges_.resize(triangles_.size());
+  neighbours_.resize(triangles_.size());
+  std::atomic<bool> all_agree = true;
   parallel_for(chunks, 1, [&](std::int64_t chunk) {
     const Spoke* spoke = spokes[chunk].data();
+    bool agree = true;
     visit_vertices(chunk, [&](Index v) {
-      Index edge = first_edge[v] - 1, other = kNone;
-      for (Index place = first_spoke[v]; place < first_spoke[v + 1]; ++place, ++spoke) {
-        if (spoke->other() != other) {
-          other = spoke->other();
-          edges_[++edge] = {v, other};
-          edge_triangle_first_[edge] = place;
-        }
-        edge_triangle_[place] = spoke->triangle();
-        triangle_edges_[spoke->triangle()][spoke->opposite()] = edge;
+      Index edge = first_edge[v];
+      for (Index place = first_spoke[v]; place < first_spoke[v + 1]; ++edge) {
+        edges_[edge] = {v, spoke->other()};
+        edge_triangle_first_[edge] = place;
+        const Spoke* const first = spoke;
+        do {
+          edge_triangle_[place] = spoke->triangle();
+          triangle_edges_[spoke->triangle()][spoke->opposite()] = edge;
+          neighbours_[spoke->triangle()][spoke->opposite()] = kNone;
+          ++spoke;
+        } while (++place < first_spoke[v + 1] && spoke->other() == first->other());
+        if (spoke - first != 2) continue;
+        neighbours_[first[0].triangle()][first[0].opposite()] = first[1].neighbour_code();
+        neighbours_[first[1].triangle()][first[1].opposite()] = first[0].neighbour_code();
+        agree = agree && first[0].is_outward() != first[1].is_outward();
       }
     });
+    if (!agree) all_agree.store(false, std::memory_order_relaxed);
   });
+  is_oriented_ = all_agree;
 }
 
 }  // namespace selvage

@@ -27,7 +27,10 @@ UnsetVector<MovingTriangle> assign_features(const TriangleMesh& mesh) {
     triangle = {mesh.triangles()[t], 0};
     for (int i = 0; i < 3; ++i) {
       triangle.owned |= (mesh.vertex_triangles(triangle.vertices[i]).front() == t) << i;
-      triangle.owned |= (mesh.edge_triangles(mesh.triangle_edges()[t][i]).front() == t) << (3 + i);
+      const Index across = mesh.neighbours()[t][i];
+      const bool is_first =
+          across == kNone ? mesh.edge_triangles(mesh.triangle_edges()[t][i]).front() == t : t < across / 4;
+      triangle.owned |= is_first << (3 + i);
     }
   });
   return triangles;

@@ -2,28 +2,20 @@
 
 #include "self_collision/contour_kernel.h"
 #include "selvage/core/parallel.h"
+#include "selvage/core/simd.h"
 
-#include <atomic>
 #include <cstring>
 
 namespace selvage {
 
 namespace {
 
-/// Number of the triangle's corner opposite an edge, as the mesh lists its corners.
-int opposite_corner(const TriangleMesh& mesh, Index triangle, Index edge) {
-  const auto& edges = mesh.triangle_edges()[triangle];
-  return edges[0] == edge ? 0 : edges[1] == edge ? 1 : 2;
-}
-
 /// Whether two triangles run along the edge between them in opposite directions, as the mesh lists them.
-bool do_agree(const TriangleMesh& mesh, Index edge, std::span<const Index> triangles) {
-  bool forward[2];
-  for (int side = 0; side < 2; ++side) {
-    const int opposite = opposite_corner(mesh, triangles[side], edge);
-    forward[side] = mesh.triangles()[triangles[side]][(opposite + 1) % 3] == mesh.edges()[edge][0];
-  }
-  return forward[0] != forward[1];
+///
+/// @param corner  the number of the triangle's vertex opposite to that edge
+/// @param across  what lies across it (see TriangleMesh::neighbours())
+bool do_agree(const TriangleMesh& mesh, Index triangle, int corner, Index across) {
+  return mesh.triangles()[triangle][(corner + 1) % 3] == mesh.triangles()[across / 4][(across % 4 + 2) % 3];
 }
 
 /// For each triangle whether it must be turned so that it agrees with its neighbours, each component starting from its
@@ -38,14 +30,12 @@ std::vector<char> find_turned(const TriangleMesh& mesh) {
     while (!waiting.empty()) {
       const Index t = waiting.back();
       waiting.pop_back();
-      for (const Index edge : mesh.triangle_edges()[t]) {
-        const auto triangles = mesh.edge_triangles(edge);
-        if (triangles.size() != 2) continue;
-        const Index other = triangles[triangles[0] == t ? 1 : 0];
-        if (seen[other]) continue;
-        seen[other] = 1;
-        turned[other] = do_agree(mesh, edge, triangles) ? turned[t] : !turned[t];
-        waiting.push_back(other);
+      for (int i = 0; i < 3; ++i) {
+        const Index across = mesh.neighbours()[t][i];
+        if (across == kNone || seen[across / 4]) continue;
+        seen[across / 4] = 1;
+        turned[across / 4] = do_agree(mesh, t, i, across) ? turned[t] : !turned[t];
+        waiting.push_back(across / 4);
       }
     }
   }
@@ -54,21 +44,20 @@ std::vector<char> find_turned(const TriangleMesh& mesh) {
 
 /// Places of the triangles below each node: children come after their parents, so that sizes are summed from the back
 /// and places handed out from the front.
-std::vector<SurfacePieces::Range> find_ranges(std::span<const BvhNode> nodes) {
-  std::vector<Index> sizes(nodes.size());
+UnsetVector<SurfacePieces::Range> find_ranges(std::span<const BvhNode> nodes) {
+  UnsetVector<SurfacePieces::Range> ranges(nodes.size());
   for (std::size_t n = nodes.size(); n-- > 0;) {
-    sizes[n] = 0;
+    Index size = 0;
     for (int i = 0; i < nodes[n].child_count; ++i)
-      sizes[n] += nodes[n].children[i] < 0 ? sizes[~nodes[n].children[i]] : 1;
+      size += nodes[n].children[i] < 0 ? ranges[~nodes[n].children[i]].last : 1;
+    ranges[n] = {0, size};
   }
-  std::vector<SurfacePieces::Range> ranges(nodes.size());
-  ranges[0] = {0, sizes[0]};
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     Index first = ranges[n].first;
     for (int i = 0; i < nodes[n].child_count && nodes[n].children[i] < 0; ++i) {
       const Index child = ~nodes[n].children[i];
-      ranges[child] = {first, first + sizes[child]};
-      first += sizes[child];
+      ranges[child] = {first, first + ranges[child].last};
+      first = ranges[child].last;
     }
   }
   return ranges;
@@ -78,15 +67,10 @@ std::vector<SurfacePieces::Range> find_ranges(std::span<const BvhNode> nodes) {
 
 SurfacePieces::SurfacePieces(const TriangleMesh& mesh, const Bvh& bvh) {
   if (bvh.nodes().empty()) return;
-  const std::vector<Index> order = bvh.leaf_order();
   ranges_ = find_ranges(bvh.nodes());
   contours_.resize(bvh.nodes().size());
-  place_triangles(mesh, order, {});
-  if (!link_edges(mesh, order, {})) {
-    const std::vector<char> turned = find_turned(mesh);
-    place_triangles(mesh, order, turned);
-    link_edges(mesh, order, turned);
-  }
+  const std::vector<char> turned = mesh.is_oriented() ? std::vector<char>() : find_turned(mesh);
+  link_edges(turned, place_triangles(mesh, bvh.nodes(), turned));
 }
 
 int SurfacePieces::child_at(std::span<const BvhNode> nodes, Index node, Index place) const {
@@ -96,35 +80,45 @@ int SurfacePieces::child_at(std::span<const BvhNode> nodes, Index node, Index pl
   return parent.child_count - (ranges_[node].last - place);
 }
 
-void SurfacePieces::place_triangles(const TriangleMesh& mesh, std::span<const Index> order,
-                                    std::span<const char> turned) {
-  triangles_.resize(order.size());
-  parallel_for(std::ssize(order), kGrain, [&](std::int64_t place) {
-    auto [a, b, c] = mesh.triangles()[order[place]];
-    if (!turned.empty() && turned[order[place]]) std::swap(b, c);
-    triangles_[place] = {a, b, c};
+UnsetVector<Index> SurfacePieces::place_triangles(const TriangleMesh& mesh, std::span<const BvhNode> nodes,
+                                                  std::span<const char> turned) {
+  UnsetVector<Index> order(mesh.triangle_count()), place_of(mesh.triangle_count());
+  triangles_.resize(mesh.triangle_count());
+  opposite_.resize(3 * triangles_.size());
+  parallel_for(std::ssize(nodes), kGrain, [&](std::int64_t n) {
+    Index place = ranges_[n].last;  // those of a node come after all that are further down
+    for (int i = nodes[n].child_count; i-- > 0 && nodes[n].children[i] >= 0;) order[--place] = nodes[n].children[i];
   });
+  parallel_for(mesh.triangle_count(), kGrain, [&](std::int64_t place) {
+    constexpr std::int64_t kAhead = 24;
+    if (place + kAhead < std::ssize(order)) {
+      prefetch(&mesh.triangles()[order[place + kAhead]]);
+      prefetch(&mesh.neighbours()[order[place + kAhead]]);
+    }
+    const Index t = order[place];
+    place_of[t] = static_cast<Index>(place);
+    auto [a, b, c] = mesh.triangles()[t];
+    auto [across_a, across_b, across_c] = mesh.neighbours()[t];
+    if (!turned.empty() && turned[t]) {
+      std::swap(b, c);
+      std::swap(across_b, across_c);
+    }
+    triangles_[place] = {a, b, c};
+    opposite_[3 * place] = across_c;
+    opposite_[3 * place + 1] = across_a;
+    opposite_[3 * place + 2] = across_b;
+  });
+  return place_of;
 }
 
-bool SurfacePieces::link_edges(const TriangleMesh& mesh, std::span<const Index> order, std::span<const char> turned) {
-  std::vector<Index> place_of(order.size());
-  for (std::size_t place = 0; place < order.size(); ++place) place_of[order[place]] = static_cast<Index>(place);
-  opposite_.assign(3 * order.size(), kNone);
-  std::atomic<bool> all_agree = true;
-  parallel_for(mesh.edge_count(), kGrain, [&](std::int64_t edge) {
-    const auto triangles = mesh.edge_triangles(static_cast<Index>(edge));
-    if (triangles.size() != 2) return;
-    Index directed[2];
-    for (int side = 0; side < 2; ++side) {
-      const int listed = opposite_corner(mesh, triangles[side], static_cast<Index>(edge));
-      const int corner = !turned.empty() && turned[triangles[side]] ? (3 - listed) % 3 : listed;
-      directed[side] = 3 * place_of[triangles[side]] + (corner + 1) % 3;
-    }
-    if (tail(directed[0]) != head(directed[1])) return all_agree.store(false, std::memory_order_relaxed);
-    opposite_[directed[0]] = directed[1];
-    opposite_[directed[1]] = directed[0];
+void SurfacePieces::link_edges(std::span<const char> turned, std::span<const Index> place_of) {
+  parallel_for(std::ssize(opposite_), 3 * kGrain, [&](std::int64_t edge) {
+    const Index across = opposite_[edge];
+    if (across == kNone) return;
+    const int corner = !turned.empty() && turned[across / 4] ? (3 - across % 4) % 3 : across % 4;
+    const Index other = 3 * place_of[across / 4] + (corner == 2 ? 0 : corner + 1);
+    opposite_[edge] = turned.empty() || tail(static_cast<Index>(edge)) == head(other) ? other : kNone;
   });
-  return all_agree;
 }
 
 const SurfacePieces::Contours& SurfacePieces::contours(Index node, std::vector<char>& workspace) {

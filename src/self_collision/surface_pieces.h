@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/unset_vector.h"
 #include "selvage/bvh/bvh.h"
 #include "selvage/mesh/triangle_mesh.h"
 
@@ -21,7 +22,7 @@ class SurfacePieces {
  public:
   SurfacePieces() = default;
 
-  /// O(n), parallel but for the turning of triangles and the order of the leaves.
+  /// O(n), parallel but for the turning of triangles and the sizes of nodes.
   SurfacePieces(const TriangleMesh& mesh, const Bvh& bvh);
 
   /// (n_triangles) vertices of the triangles in the order of the leaves, turned.
@@ -63,15 +64,15 @@ class SurfacePieces {
  private:
   static Index next_in_triangle(Index edge) { return edge % 3 == 2 ? edge - 2 : edge + 1; }
   /// @param turned  for each triangle of the mesh whether it is listed the other way round; empty: none is
-  void place_triangles(const TriangleMesh& mesh, std::span<const Index> order, std::span<const char> turned);
-  /// False where two triangles at an edge do not agree which side is which.
-  bool link_edges(const TriangleMesh& mesh, std::span<const Index> order, std::span<const char> turned);
-
+  /// @return the place of each triangle; opposite_ tells what lies across as the mesh does
+  UnsetVector<Index> place_triangles(const TriangleMesh& mesh, std::span<const BvhNode> nodes,
+                                     std::span<const char> turned);
+  void link_edges(std::span<const char> turned, std::span<const Index> place_of);
   Contours trace_contours(Index node, std::vector<char>& workspace) const;
 
-  std::vector<TriangleMesh::Triangle> triangles_;
-  std::vector<Index> opposite_;
-  std::vector<Range> ranges_;
+  UnsetVector<TriangleMesh::Triangle> triangles_;
+  UnsetVector<Index> opposite_;
+  UnsetVector<Range> ranges_;
   std::vector<std::unique_ptr<const Contours>> contours_;
 };
 

@@ -32,6 +32,14 @@ class TriangleMesh {
   /// (n_triangles x 3) edge opposite to vertex i of each triangle.
   std::span<const std::array<Index, 3>> triangle_edges() const { return triangle_edges_; }
 
+  /// (n_triangles x 3) what lies across the edge opposite to vertex i of each triangle: 4 * triangle + the number of
+  /// its vertex opposite to that edge; kNone where the edge does not have two triangles.
+  std::span<const std::array<Index, 3>> neighbours() const { return neighbours_; }
+
+  /// Whether neighbours agree on which side of the surface is which: run along the edge between them in opposite
+  /// directions.
+  bool is_oriented() const { return is_oriented_; }
+
   /// Triangles on edge e, ascending: 1 on a border, 2 inside a manifold surface, more where it is non-manifold.
   std::span<const Index> edge_triangles(Index e) const { return star(edge_triangle_, edge_triangle_first_, e); }
 
@@ -46,7 +54,8 @@ class TriangleMesh {
   Index vertex_count_ = 0;
   std::vector<Triangle> triangles_;
   std::vector<Edge> edges_;
-  std::vector<std::array<Index, 3>> triangle_edges_;
+  std::vector<std::array<Index, 3>> triangle_edges_, neighbours_;
+  bool is_oriented_ = true;
   std::vector<Index> edge_triangle_, edge_triangle_first_;
   std::vector<Index> vertex_triangle_, vertex_triangle_first_;
 };
