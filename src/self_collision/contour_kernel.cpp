@@ -256,14 +256,19 @@ SELVAGE_INLINE void fit(const PlanarLoops<kSteps>& loops) {
 
 void measure_moving_areas(const MovingRow* positions, const VertexTuple<3>* triangles, Index first, Index last,
                           const MovingAreaRows& areas) {
+  constexpr Index kAhead = 2 * kWidth;
   const auto size = [](const WideCorner& a) { return magnitude(a.x) + magnitude(a.y) + magnitude(a.z); };
   const auto size_of_both = [&](const MovingCorner& a) { return max(size(a.start), size(a.end)); };
+  Float8 sums[3] = {wide(0), wide(0), wide(0)};
   for (Index place = first; place < last; place += kWidth) {
     Index vertices[3][kWidth];
     for (int lane = 0; lane < kWidth; ++lane) {
       const Index t = place + lane < last ? place + lane : last - 1;
       for (int k = 0; k < 3; ++k) vertices[k][lane] = triangles[t][k];
     }
+    if (place + kAhead + kWidth <= last)
+      for (int lane = 0; lane < kWidth; ++lane)
+        for (const Index vertex : triangles[place + kAhead + lane]) prefetch(positions + vertex);
     const MovingCorner origin = gather_moving(positions, vertices[0]);
     const MovingCorner e = gather_moving(positions, vertices[1]) - origin;
     const MovingCorner f = gather_moving(positions, vertices[2]) - origin;
@@ -278,12 +283,21 @@ void measure_moving_areas(const MovingRow* positions, const VertexTuple<3>* tria
     const Float8 size_e = size_of_both(e), size_f = size_of_both(f);
     const Float8 error = (size_e + size_f) * wide(4.1f * kFrameRounding) + size_e * size_f * wide(0x1p-20f) +
                          wide(32 * kFrameRounding * kFrameRounding);
-    for (int c = 0; c < 3; ++c) {
-      const WideCorner& area = coefficients[c];
-      area.x.store(areas.rows[c][0] + place);
-      area.y.store(areas.rows[c][1] + place);
-      area.z.store(areas.rows[c][2] + place);
-      error.store(areas.rows[c][3] + place);
+    error.store(areas.errors + place);
+    const int present = last - place < kWidth ? last - place : kWidth;
+    for (int k = 0; k < 3; ++k) {
+      Float8 WideCorner::*const axis = k == 0 ? &WideCorner::x : k == 1 ? &WideCorner::y : &WideCorner::z;
+      for (int c = 0; c < 3; ++c) (coefficients[c].*axis).store(areas.rows[c][k] + place);
+      sums[k] = sums[k] + keep_first(coefficients[0].*axis + coefficients[2].*axis, present);
+    }
+    if ((place + kWidth) % kAreaGroup != 0 && place + kWidth < last) continue;
+    for (int k = 0; k < 3; ++k) {
+      float lanes[kWidth];
+      sums[k].store(lanes);
+      double sum = 0;
+      for (const float lane : lanes) sum += lane;
+      areas.group_sums[place / kAreaGroup].data()[k] = sum;
+      sums[k] = wide(0);
     }
   }
 }

@@ -33,9 +33,15 @@ struct AreaVectors {
   const float* rows[4];
 };
 
-/// Where to put the area vectors of triangles during a step: the rows of each coefficient.
+/// Consecutive triangles whose area vectors are summed once.
+constexpr Index kAreaGroup = 32;
+
+/// Where to put the area vectors of triangles during a step: the rows of each coefficient; how far any of them may be
+/// off; and for each group the sum of those at both ends.
 struct MovingAreaRows {
-  float* rows[3][4];
+  float* rows[3][3];
+  float* errors;
+  Vec3* group_sums;
 };
 
 /// A plane to project on: u = (p - origin) . u_axis, v alike, in exact arithmetic; `normal` is the cross product of the
@@ -53,7 +59,7 @@ enum class ContourTest : std::uint8_t {
 };
 
 // measure_moving_areas: area vectors of triangles [first, last) from positions in a frame, and of the next ones up to a
-// multiple of eight anything. `first` is a multiple of eight.
+// multiple of eight anything; sums of the groups. `first` begins a group, `last` ends one or all triangles.
 // mark_contour: sets marks[i] to whether the edge opposite to edge first + i is none of [first, last).
 // do_all_face: whether all area vectors [first, last) certainly have a positive dot product with u_axis x v_axis.
 // fit_blocks: sets the boxes of the blocks.

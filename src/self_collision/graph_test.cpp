@@ -8,7 +8,7 @@ namespace selvage {
 
 namespace {
 
-constexpr Index kGroup = 32;  ///< triangles whose area vectors are summed once
+constexpr Index kGroup = kAreaGroup;
 constexpr std::int64_t kGroupsAtOnce = 64;
 
 /// How far the float form of an area vector may be off, times a vector of components up to 1: a relative error of a few
@@ -141,11 +141,12 @@ void GraphTest<kSteps>::measure(SurfacePieces::Range places) {
   const Index first_group = places.first / kGroup, last_group = (places.last + kGroup - 1) / kGroup;
   const auto count = static_cast<Index>(pieces_->triangles().size());
   parallel_ranges(last_group - first_group, kGroupsAtOnce, [&](std::int64_t first, std::int64_t last) {
-    for (std::int64_t i = first; i < last; ++i) {
-      const Index place = (first_group + static_cast<Index>(i)) * kGroup;
-      const Index end = count - place < kGroup ? count : place + kGroup;
-      rounded_.empty() ? compute_areas(place, end) : compute_areas_in_frame(place, end);
-    }
+    const auto begin_of = [&](std::int64_t i) {
+      const std::int64_t begin = (first_group + i) * kGroup;
+      return begin < count ? static_cast<Index>(begin) : count;
+    };
+    if (!rounded_.empty()) return compute_areas_in_frame(begin_of(first), begin_of(last));
+    for (std::int64_t i = first; i < last; ++i) compute_areas(begin_of(i), begin_of(i + 1));
   });
 }
 
@@ -170,18 +171,14 @@ void GraphTest<kSteps>::compute_areas(Index first, Index last) {
   group_areas_[first / kGroup] = sum;
 }
 
-/// Eight by eight, from floats.
+/// Of whole groups, eight triangles at once, from floats.
 template <int kSteps>
 void GraphTest<kSteps>::compute_areas_in_frame(Index first, Index last) {
   if constexpr (kSteps == 2) {
-    MovingAreaRows areas;
+    MovingAreaRows areas{{}, areas_[0][3].data(), group_areas_.data()};
     for (int c = 0; c < 3; ++c)
-      for (int k = 0; k < 4; ++k) areas.rows[c][k] = areas_[c][k].data();
+      for (int k = 0; k < 3; ++k) areas.rows[c][k] = areas_[c][k].data();
     SELVAGE_DISPATCH(measure_moving_areas, rounded_.data(), pieces_->triangles().data(), first, last, areas);
-    Vec3 sum = Vec3::Zero();
-    for (int k = 0; k < 3; ++k)
-      for (Index place = first; place < last; ++place) sum[k] += areas_[0][k][place] + areas_[2][k][place];
-    group_areas_[first / kGroup] = sum;
   }
 }
 
@@ -209,7 +206,8 @@ template <int kSteps>
 bool GraphTest<kSteps>::do_triangles_face(Index node, const ProjectionPlane& plane) const {
   const auto range = pieces_->ranges()[node];
   for (const auto& rows : areas_) {
-    const AreaVectors areas{{rows[0].data(), rows[1].data(), rows[2].data(), rows[3].data()}};
+    const auto& errors = rounded_.empty() ? rows[3] : areas_[0][3];
+    const AreaVectors areas{{rows[0].data(), rows[1].data(), rows[2].data(), errors.data()}};
     if (!SELVAGE_DISPATCH(do_all_face, areas, range.first, range.last, plane)) return false;
   }
   return true;
