@@ -97,6 +97,10 @@ RefRange RangeSplitter::make_range(Index begin, Index end) const {
   return {begin, end, Float8::load(pair.bounds), Float8::load(pair.centres)};
 }
 
+RefRange RangeSplitter::make_part(Index begin, Index end) const {
+  return end - begin > BvhNode::kWidth ? make_range(begin, end) : RefRange{begin, end, nothing(), nothing()};
+}
+
 float RangeSplitter::measure(Float8 bounds, Float8 whole) const {
   float e[4];
   (extents_of(bounds) * Float4::broadcast(measure_scale(whole))).store(e);
@@ -106,7 +110,7 @@ float RangeSplitter::measure(Float8 bounds, Float8 whole) const {
 std::array<RefRange, 2> RangeSplitter::split(const RefRange& range, bool halve) {
   if (quality_ == BuildQuality::kFast && range.size() <= kFewRefs) {
     const Index middle = halve_few(range);
-    return {make_range(range.begin, middle), make_range(middle, range.end)};
+    return {make_part(range.begin, middle), make_part(middle, range.end)};
   }
   BinScale scale{};
   float extents[4];
@@ -126,7 +130,7 @@ std::array<RefRange, 2> RangeSplitter::split(const RefRange& range, bool halve) 
   const Index middle =
       axis < 0 ? halve_range(range)
                : partition(range, {axis, scale.origin[axis], scale.scale[axis], static_cast<float>(first_right_bin)});
-  return {make_range(range.begin, middle), make_range(middle, range.end)};
+  return {make_part(range.begin, middle), make_part(middle, range.end)};
 }
 
 Index RangeSplitter::partition(const RefRange& range, const LeftSide& side) {

@@ -32,7 +32,8 @@ class RangeSplitter {
   float measure(Float8 bounds, Float8 whole) const;
 
   /// Splits a range of at least two primitives where the measured cost is smallest; in halves, by centre along the
-  /// widest axis, when `halve` asks for it or the centres are too close to tell apart.
+  /// widest axis, when `halve` asks for it or the centres are too close to tell apart. What fits into a leaf node comes
+  /// without bounds.
   std::array<RefRange, 2> split(const RefRange& range, bool halve);
 
   Index primitive(Index position) const { return refs_[position].primitive; }
@@ -47,6 +48,7 @@ class RangeSplitter {
   Index halve_range(const RefRange& range);
   Index halve_few(const RefRange& range);
   Index sampling_step(Index count) const;
+  RefRange make_part(Index begin, Index end) const;
 
   BuildQuality quality_;
   std::unique_ptr<PrimitiveRef[]> refs_;

@@ -62,13 +62,13 @@ struct ChildRanges {
       if (ranges[i].size() > kWidth && (best < 0 || measures[i] > measures[best])) best = i;
     return best;
   }
-  /// The range with the largest surface among those whose primitives all find a place in this node, or -1.
+  /// Whether all primitives of a range find a place in this node.
+  bool may_open(int i) const { return ranges[i].size() > 1 && count - 1 + ranges[i].size() <= kWidth; }
+  /// The range with the largest surface among those, or -1.
   int largest_to_open() const {
     int best = -1;
-    for (int i = 0; i < count; ++i) {
-      const Index size = ranges[i].size();
-      if (size > 1 && count - 1 + size <= kWidth && (best < 0 || measures[i] > measures[best])) best = i;
-    }
+    for (int i = 0; i < count; ++i)
+      if (may_open(i) && (best < 0 || measures[i] > measures[best])) best = i;
     return best;
   }
 };
@@ -82,15 +82,24 @@ BuildNode split_node(RangeSplitter& splitter, const PendingNode& pending, bool h
     return leaf;
   }
   const RefRange whole = splitter.make_range(pending.begin, pending.end);
+  // Of what is a leaf node at most, only where it may yet find a place in this one.
+  const auto measure = [&](const RefRange& range) {
+    return range.size() > kWidth ? splitter.measure(range.bounds, whole.bounds) : 0;
+  };
   ChildRanges children;
   children.add(whole, 1);
   while (children.count < kWidth) {
     const int largest = children.largest_to_split();
     if (largest < 0) break;
     const auto [left, right] = splitter.split(children.ranges[largest], halve);
-    children.set(largest, left, splitter.measure(left.bounds, whole.bounds));
-    children.add(right, splitter.measure(right.bounds, whole.bounds));
+    children.set(largest, left, measure(left));
+    children.add(right, measure(right));
   }
+  for (int i = 0; i < children.count; ++i)
+    if (children.may_open(i)) {
+      const RefRange small = splitter.make_range(children.ranges[i].begin, children.ranges[i].end);
+      children.measures[i] = splitter.measure(small.bounds, whole.bounds);
+    }
   for (int small = children.largest_to_open(); small >= 0; small = children.largest_to_open()) children.open(small);
   BuildNode node{pending.parent, children.count, 0, {}};
   for (int i = 0; i < children.count; ++i) node.begin[i] = children.ranges[i].begin;

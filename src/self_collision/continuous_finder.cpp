@@ -149,6 +149,7 @@ struct ContinuousCollisionFinder::State {
 
   void build() {
     bvh = Bvh(pose.boxes(), options.asked_once ? BuildQuality::kFast : BuildQuality::kBest);
+    if (options.asked_once) pose.free_boxes();  // room for what follows, in memory that is there
     if (is_culling()) pieces = SurfacePieces(mesh, bvh);
     if (!neighbours.empty()) list_neighbours_of_leaves();
   }

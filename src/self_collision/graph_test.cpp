@@ -1,6 +1,7 @@
 #include "self_collision/graph_test.h"
 
 #include "selvage/core/parallel.h"
+#include "selvage/core/simd.h"
 
 #include <cmath>
 
@@ -232,6 +233,8 @@ PlanarLoops<kSteps> GraphTest<kSteps>::project_contours(const SurfacePieces::Con
     loops.coordinates[k / 2][k % 2] = workspace.coordinates.data() + k * room;
   }
 
+  for (const Index edge : contours.edges)
+    for (int s = 0; s < kSteps; ++s) prefetch(&poses_[s][pieces_->tail(edge)]);
   double largest = 0, sum = 0;  // a coordinate that is not finite shows in the sum
   // An origin that moves along takes out what the piece moves as a whole.
   std::array<Vec3, kSteps> origin;

@@ -26,6 +26,9 @@ class SweptPose {
   /// Per triangle its box over the step, in the frame, with the largest thickness of its vertices around it.
   std::span<const Box> boxes() const { return boxes_; }
 
+  /// There are no boxes any more, until the next place().
+  void free_boxes() { boxes_ = {}; }
+
  private:
   UnsetVector<Vec3> positions_t0_, positions_t1_;
   UnsetVector<MovingRow> rounded_;

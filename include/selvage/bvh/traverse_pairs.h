@@ -119,20 +119,31 @@ template <bool kSelf, typename Enter, typename Visit>
 inline void visit_meeting(std::span<const BvhNode> nodes_a, std::span<const BvhNode> nodes_b, NodePair start,
                           Enter&& enter, Visit&& visit) {
   if (nodes_a.empty() || nodes_b.empty()) return;
-  // A popped pair leaves at most 8 x 8 where it was, and each that it leaves is a level further down in a or in b.
-  NodePair stack[Bvh::kMaxLevels * (BvhNode::kWidth * BvhNode::kWidth - 1) + 1];
+  // Pairs that have been taken from the stack wait a little until their nodes are fetched, unless there are many.
+  constexpr int kAhead = 8;
+  constexpr std::ptrdiff_t kMany = 1024;
+  constexpr int kMostLeft = BvhNode::kWidth * BvhNode::kWidth;
+  // One by one, a popped pair leaves at most 8 x 8 where it was, and each that it leaves is a level further down in a
+  // or in b.
+  NodePair stack[kMany + kAhead * kMostLeft + Bvh::kMaxLevels * (kMostLeft - 1) + 1];
   stack[0] = start;
   NodePair* top = stack + 1;
-  while (top != stack) {
-    const NodePair pair = *--top;
-    if (enter(pair))
-      compare_children<kSelf>(
-          nodes_a, nodes_b, pair,
-          [&](const NodePair& next) {
-            prefetch_node(nodes_b[next.b]);
-            *top++ = next;
-          },
-          visit);
+  NodePair ahead[kAhead];
+  int first = 0, waiting = 0;
+  for (;;) {
+    while (top != stack && waiting < (top - stack < kMany ? kAhead : 1)) {
+      const NodePair pair = *--top;
+      if (!enter(pair)) continue;
+      prefetch_node(nodes_a[pair.a]);
+      prefetch_node(nodes_b[pair.b]);
+      ahead[(first + waiting++) % kAhead] = pair;
+    }
+    if (waiting == 0) return;
+    const NodePair pair = ahead[first];
+    first = (first + 1) % kAhead;
+    --waiting;
+    compare_children<kSelf>(
+        nodes_a, nodes_b, pair, [&](const NodePair& next) { *top++ = next; }, visit);
   }
 }
 
