@@ -54,6 +54,27 @@ std::vector<Index> listed(Span span) {
   return {span.begin(), span.end()};
 }
 
+/// Compares what lies across edges with the triangles of each edge.
+void expect_neighbours(const TriangleMesh& mesh, const std::map<TriangleMesh::Edge, std::vector<Index>>& edges) {
+  bool agree = true;
+  for (Index t = 0; t < mesh.triangle_count(); ++t) {
+    for (int i = 0; i < 3; ++i) {
+      const auto& triangle = mesh.triangles()[t];
+      const Index from = triangle[(i + 1) % 3], to = triangle[(i + 2) % 3];
+      const auto& incident = edges.at({std::min(from, to), std::max(from, to)});
+      const Index across = mesh.neighbours()[t][i];
+      ASSERT_EQ(across != kNone, incident.size() == 2);
+      if (across == kNone) continue;
+      ASSERT_EQ(across / 4, incident[incident[0] == t ? 1 : 0]);
+      const auto& other = mesh.triangles()[across / 4];
+      const Index other_from = other[(across % 4 + 1) % 3], other_to = other[(across % 4 + 2) % 3];
+      ASSERT_EQ(std::minmax(from, to), std::minmax(other_from, other_to));
+      agree = agree && from == other_to;
+    }
+  }
+  ASSERT_EQ(mesh.is_oriented(), agree);
+}
+
 /// Compares everything that a mesh tells with what sets and maps say.
 void expect_equals_twin(Index vertex_count, const Triangles& triangles) {
   const TriangleMesh mesh(vertex_count, triangles);
@@ -81,6 +102,7 @@ void expect_equals_twin(Index vertex_count, const Triangles& triangles) {
       ASSERT_EQ(mesh.edges()[mesh.triangle_edges()[t][i]], (TriangleMesh::Edge{u, v}));
     }
   }
+  expect_neighbours(mesh, edges);
 }
 
 TEST(TriangleMesh, ClosedSurfaceHasTwoTrianglesOnEveryEdge) {
@@ -99,6 +121,14 @@ TEST(TriangleMesh, OpenSurfaceHasABorder) {
   for (Index e = 0; e < mesh.edge_count(); ++e) ++edges_with[mesh.edge_triangles(e).size()];
   EXPECT_EQ(edges_with, (std::array<int, 3>{0, 10, 13}));
   EXPECT_EQ(mesh.vertex_count() - mesh.edge_count() + mesh.triangle_count(), 1);
+}
+
+TEST(TriangleMesh, OneTurnedTriangleSpoilsTheOrientation) {
+  Triangles triangles = grid(40, 30);
+  EXPECT_TRUE(TriangleMesh(41 * 31, triangles).is_oriented());
+  std::swap(triangles[1234][0], triangles[1234][1]);
+  EXPECT_FALSE(TriangleMesh(41 * 31, triangles).is_oriented());
+  expect_equals_twin(41 * 31, triangles);
 }
 
 TEST(TriangleMesh, NonManifoldEdgeListsAllItsTriangles) {
