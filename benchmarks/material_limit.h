@@ -19,11 +19,11 @@ inline double material_bytes(double elements, double vertices, bool damped) {
   return elements * (sizeof(ElementBatch) + 2 * 8 * kBatch) / kBatch + (damped ? 3 : 2) * vertices * sizeof(VertexRow);
 }
 
-/// Best of three, in seconds.
+/// Best of twenty, in seconds: other threads may take a while until they come.
 template <typename Body>
 double best_seconds(Body&& body) {
   double best = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 20; ++i) {
     const auto start = std::chrono::steady_clock::now();
     body();
     best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
@@ -53,6 +53,12 @@ struct MachineLimit {
           });
         });
     return limit;
+  }
+
+  /// The larger of both: a machine's pace changes.
+  void raise_to(const MachineLimit& other) {
+    operations_per_second = std::max(operations_per_second, other.operations_per_second);
+    bytes_per_second = std::max(bytes_per_second, other.bytes_per_second);
   }
 
   /// What an iteration over Neo-Hookean bodies takes at least: of arithmetic or of memory, whichever is more.

@@ -47,12 +47,13 @@ class Folder {
 };
 
 /// The summary of a run, with what its material solve reached.
-json run(const Scene& scene, std::int64_t frames, const MachineLimit& limit) {
+json run(const Scene& scene, std::int64_t frames, MachineLimit limit, int threads) {
   const Folder folder;
   RunOptions options;
   options.folder = folder.path();
   if (frames > 0) options.frames = frames;
   const RunReport report = run_scene(scene, options);
+  limit.raise_to(MachineLimit::measure(threads));
   json summary = json::parse(summarize_run(scene, report));
   double constraints = 0, seconds = 0;
   for (const FrameStatistics& row : report.frames) {
@@ -114,7 +115,7 @@ void measure_growth(const SimulationPlan& plan, const MachineLimit& limit, std::
   fmt::print(table, "\n{:>8} {:>10} {:>12} {:>14}\n", "octopi", "elements", "ms a step", "ns an element");
   for (const std::array<int, 3>& counts : {std::array{1, 1, 1}, std::array{2, 1, 5}, std::array{5, 4, 5}}) {
     const Scene scene = read_octopi(plan, counts);
-    json summary = run(scene, plan.frames > 0 ? plan.frames : kGrowthFrames, limit);
+    json summary = run(scene, plan.frames > 0 ? plan.frames : kGrowthFrames, limit, plan.threads);
     const double seconds = summary["seconds"]["steps"].get<double>() / summary["steps"].get<double>();
     const double elements = summary["elements"].get<double>();
     fmt::print(table, "{:>8} {:>10} {:>12.2f} {:>14.1f}\n", scene.model.bodies.size(), elements, 1e3 * seconds,
@@ -139,7 +140,7 @@ void measure_simulation(const SimulationPlan& plan, std::FILE* table, const std:
     for (const bool culling : {true, false}) {
       if (!culling && !plan.without_culling) continue;
       scene.options.contact.cull_infeasible_regions = culling;
-      json summary = run(scene, plan.frames, limit);
+      json summary = run(scene, plan.frames, limit, plan.threads);
       summary["culling"] = culling;
       print_row(table, culling ? name : name + ", no culling", summary);
       results.push_back(std::move(summary));
