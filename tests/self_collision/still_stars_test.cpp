@@ -35,13 +35,13 @@ Positions moved(const Surface& surface, bool is_calm, Random& random) {
   return end;
 }
 
-ContinuousPairs all_pairs(const TriangleMesh& mesh, const Positions& start, const Positions& end) {
+ContinuousPairs pairs_by_hierarchy(const TriangleMesh& mesh, const Positions& start, const Positions& end) {
   SelfCollisionOptions options;
   options.method = CullingMethod::kBvh;
   return ContinuousCollisionFinder(mesh, start, end, options).find_pairs();
 }
 
-bool share_vertex(const TriangleMesh& mesh, const IndexPair& pair) {
+bool have_common_vertex(const TriangleMesh& mesh, const IndexPair& pair) {
   const auto &a = mesh.triangles()[pair.first], &b = mesh.triangles()[pair.second];
   return std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
 }
@@ -55,7 +55,7 @@ std::set<IndexPair> spared_neighbours(const TriangleMesh& mesh, const StillStars
   std::set<IndexPair> spared;
   for (Index a = 0; a < mesh.triangle_count(); ++a)
     for (Index b = a + 1; b < mesh.triangle_count(); ++b)
-      if (share_vertex(mesh, {a, b}) && open.count({a, b}) + open.count({b, a}) == 0) spared.insert({a, b});
+      if (have_common_vertex(mesh, {a, b}) && open.count({a, b}) + open.count({b, a}) == 0) spared.insert({a, b});
   return spared;
 }
 
@@ -74,7 +74,7 @@ TEST_P(StillStarsOf, ChangeNoAnswer) {
     for (int step = 0; step < 12; ++step) {
       const Positions end = moved(surface, step % 4 != 3, random);
       finder.update(surface.positions, end);
-      const ContinuousPairs expected = all_pairs(mesh, surface.positions, end);
+      const ContinuousPairs expected = pairs_by_hierarchy(mesh, surface.positions, end);
       ASSERT_EQ(finder.find_pairs(), expected) << n << ", step " << step;
       ASSERT_EQ(finder.has_pairs(), !expected.empty());
       surface.positions = end;
@@ -94,7 +94,7 @@ TEST_P(StillStarsOf, SpareNothingThatMeets) {
       stars.place(surface.positions, end);
       const std::set<IndexPair> spared = spared_neighbours(mesh, stars);
       const auto is_spared = [&](Index a, Index b) { return spared.contains({std::min(a, b), std::max(a, b)}); };
-      const ContinuousPairs pairs = all_pairs(mesh, surface.positions, end);
+      const ContinuousPairs pairs = pairs_by_hierarchy(mesh, surface.positions, end);
       for (const VertexFacePair& pair : pairs.vertex_face)
         for (const Index t : mesh.vertex_triangles(pair.vertex)) ASSERT_FALSE(is_spared(t, pair.face));
       for (const EdgeEdgePair& pair : pairs.edge_edge)
@@ -194,7 +194,7 @@ TEST(StillStars, OpenBeforeAFoldShuts) {
   double angle = 3;
   for (; angle > 0.1; angle -= 0.01) {
     finder.update(book(angle), book(angle - 0.01));
-    ASSERT_EQ(finder.find_pairs(), all_pairs(mesh, book(angle), book(angle - 0.01))) << angle;
+    ASSERT_EQ(finder.find_pairs(), pairs_by_hierarchy(mesh, book(angle), book(angle - 0.01))) << angle;
   }
   finder.update(book(angle), book(-0.1));
   EXPECT_EQ(finder.find_pairs().edge_edge.size() + finder.find_pairs().vertex_face.size(), 1);
