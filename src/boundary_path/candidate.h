@@ -30,6 +30,15 @@ class CandidateFactory {
   Estimate estimate(Index face) const;
   Candidate<D> make(Index face, const Estimate& estimate) const;
 
+  /// Sets what is left to be known of a triangle that has been aimed at. False when more is to be computed.
+  static bool complete(const PathScene<D>& scene, Index face, Candidate<D>& c) {
+    c.face = face;
+    c.ids = scene.face_stars[face].vertices;
+    c.target.count = D;
+    for (int i = 0; i < D; ++i) c.target.vertices[i] = scene.positions[c.ids[i]];
+    return is_precise(c);
+  }
+
  private:
   static double dot(const double* a, const double* b) {
     double sum = a[0] * b[0] + a[1] * b[1];
@@ -48,6 +57,12 @@ class CandidateFactory {
   }
   static void subtract(const Vec<D>& a, const Vec<D>& b, double* r) {
     for (int i = 0; i < D; ++i) r[i] = a[i] - b[i];
+  }
+  /// Relative to the distance, not to the size of the target: p may be very close to it.
+  static bool is_precise(const Candidate<D>& c) {
+    bool proper = true;  // s is inside its feature, and its weights should say so
+    for (int i = 0; i < c.target.count; ++i) proper &= c.barycentric[i] > 0;
+    return proper && c.offset_error < kPreciseAbove * largest(c.offset);
   }
   void set_offset(Candidate<D>& c) const;
   void aim_at_vertex(Candidate<D>& c) const;
@@ -157,10 +172,7 @@ void CandidateFactory<D>::set_offset(Candidate<D>& c) const {
     aim_at_edge(c);
   else
     aim_at_triangle(c);
-  // Relative to the distance, not to the size of the target: p may be very close to it.
-  bool proper = true;  // s is inside its feature, and its weights should say so
-  for (int i = 0; i < c.target.count; ++i) proper &= c.barycentric[i] > 0;
-  if (!proper || !(c.offset_error < kPreciseAbove * largest(c.offset))) make_precise(c);
+  if (!is_precise(c)) make_precise(c);
   c.squared_distance = dot(c.offset, c.offset);
 }
 
@@ -198,6 +210,7 @@ void CandidateFactory<D>::aim_at_triangle(Candidate<D>& c) const {
     };
     double* n = c.direction;
     cross(e1, e2, n);
+    c.has_normal = true;
     const double* nearest = v[0];
     for (int i = 1; i < 3; ++i)
       if (largest(v[i]) < largest(nearest)) nearest = v[i];
@@ -229,9 +242,11 @@ void CandidateFactory<D>::make_precise(Candidate<D>& c) const {
   if (c.target.count < D || D == 2) {
     std::copy(c.offset, c.offset + D, c.direction);
     c.direction_error = c.offset_error;
+    c.has_normal = false;
   } else if (!(c.direction_error < 1e-3 * largest(c.direction)) && c.offset_error > 0) {
     std::copy(c.offset, c.offset + D, c.direction);
     c.direction_error = c.offset_error;
+    c.has_normal = false;
   }
 }
 

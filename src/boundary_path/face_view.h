@@ -238,6 +238,14 @@ SELVAGE_INLINE FaceFindings<3> look_at(const FaceView<3>& view) {
   return found;
 }
 
+/// Squared distances from below alone, without neighbours.
+SELVAGE_INLINE Float16 distances_from_below(const FaceView<3>& view) {
+  const TriangleProducts t(view.p, view.corners);
+  const Vector16 to = t.way_to_face();
+  const Float16 extent = max(max(sum_of_sizes(t.u), sum_of_sizes(t.v)), sum_of_sizes(t.o));
+  return view.squared_distance_along(to, sum_of_sizes(to) + extent + extent + Float16::broadcast(4 * view.rounding));
+}
+
 /// The same in the plane.
 SELVAGE_INLINE FaceFindings<2> look_at(const FaceView<2>& view) {
   const Float16 zero = Float16::broadcast(0), one = Float16::broadcast(1);

@@ -10,8 +10,10 @@
 #include "selvage/core/parallel.h"
 
 #include <fmt/format.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numeric>
 
@@ -115,6 +117,8 @@ struct BoundaryPathFinder<D>::State {
             options};
   }
 
+  class Batches;
+
   void check(std::span<const PathQuery<D>> queries, std::span<const Index> warm_start, std::size_t counters) const;
   std::vector<Index> order_in_groups(std::span<const PathQuery<D>> queries) const;
   BoundaryPath<D> describe(const PathTask<D>& task, const PathResult<D>& result) const;
@@ -177,7 +181,9 @@ template <int D>
 Vec<D> BoundaryPathFinder<D>::State::normal_at(Index face, const PathResult<D>& result) const {
   const auto normal_of = [&](Index f) { return face_normal(pose.positions(), topology.face_stars[f].vertices); };
   Vec<D> normal = Vec<D>::Zero();
-  if (result.target_count == D) {
+  if (result.has_normal) {
+    normal += result.normal;
+  } else if (result.target_count == D) {
     normal += normal_of(face);
   } else {
     double total = 0;
@@ -250,6 +256,68 @@ const PoseDefects& BoundaryPathFinder<D>::defects() const {
   return state_->pose.defects();
 }
 
+/// What is asked, in the order of the searches, and where the answers go.
+template <int D>
+struct PathWork {
+  std::span<const PathQuery<D>> queries;
+  std::span<const Index> warm_start, order;
+  std::span<BoundaryPath<D>> paths;
+  std::span<PathCounters> counters;  ///< or none
+  std::int64_t batch_size;
+  std::atomic<std::int64_t> taken = 0;  ///< batches
+
+  std::int64_t batch_count() const { return (std::ssize(order) + batch_size - 1) / batch_size; }
+};
+
+/// The batches that one thread takes.
+template <int D>
+class BoundaryPathFinder<D>::State::Batches final : public PathBatches<D> {
+ public:
+  Batches(const State& state, PathWork<D>& work) : state_(state), work_(work) {}
+
+  PathBatch<D> next() override {
+    hand_in();
+    const std::int64_t first = work_.batch_size * work_.taken.fetch_add(1, std::memory_order_relaxed);
+    if (first >= std::ssize(work_.order)) return {};
+    share_ = work_.order.subspan(first, std::min(std::ssize(work_.order) - first, work_.batch_size));
+    tasks_.resize(share_.size());
+    results_.resize(share_.size());
+    counters_.assign(work_.counters.empty() ? 0 : share_.size(), {});
+    for (std::size_t i = 0; i < share_.size(); ++i) {
+      fetch_ahead(work_.queries, i);
+      tasks_[i].query = work_.queries[share_[i]];
+      for (double& x : tasks_[i].query.point) x = state_.to_scene(x);
+      tasks_[i].warm_start = work_.warm_start.empty() ? kNone : work_.warm_start[share_[i]];
+    }
+    return {tasks_, results_.data(), counters_.empty() ? nullptr : counters_.data()};
+  }
+
+ private:
+  void hand_in() {
+    for (std::size_t i = 0; i < share_.size(); ++i) {
+      fetch_ahead(work_.paths, i);
+      work_.paths[share_[i]] = state_.describe(tasks_[i], results_[i]);
+      if (!counters_.empty()) work_.counters[share_[i]] = counters_[i];
+    }
+    share_ = {};
+  }
+
+  template <typename Item>
+  void fetch_ahead(std::span<Item> items, std::size_t i) const {
+    constexpr std::size_t kAhead = 8;
+    const Item* const item = &items[share_[std::min(i + kAhead, share_.size() - 1)]];
+    prefetch(item);
+    prefetch(reinterpret_cast<const char*>(item + 1) - 1);
+  }
+
+  const State& state_;
+  PathWork<D>& work_;
+  std::span<const Index> share_;
+  std::vector<PathTask<D>> tasks_;
+  std::vector<PathResult<D>> results_;
+  std::vector<PathCounters> counters_;
+};
+
 template <int D>
 std::vector<BoundaryPath<D>> BoundaryPathFinder<D>::find_paths(std::span<const PathQuery<D>> queries,
                                                                std::span<const Index> warm_start,
@@ -261,24 +329,17 @@ std::vector<BoundaryPath<D>> BoundaryPathFinder<D>::find_paths(std::span<const P
   // Few queries in small batches, so that there is one for each core.
   constexpr std::int64_t kMostGroups = 8, kBatches = 16;
   const std::int64_t groups = (std::ssize(order) + kPointGroup - 1) / kPointGroup;
-  const std::int64_t batch_size = kPointGroup * std::clamp<std::int64_t>(groups / kBatches, 1, kMostGroups);
-  parallel_ranges((std::ssize(order) + batch_size - 1) / batch_size, 1, [&](std::int64_t first, std::int64_t last) {
-    const auto share = std::span(order).subspan(first * batch_size);
-    const auto n = std::min<std::size_t>(share.size(), (last - first) * batch_size);
-    std::vector<PathTask<D>> tasks(n);
-    std::vector<PathResult<D>> results(n);
-    std::vector<PathCounters> counts(counters.empty() ? 0 : n);
-    for (std::size_t i = 0; i < n; ++i) {
-      tasks[i].query = queries[share[i]];
-      tasks[i].query.point = state_->to_scene(tasks[i].query.point);
-      tasks[i].warm_start = warm_start.empty() ? kNone : warm_start[share[i]];
-    }
-    SELVAGE_DISPATCH(search_paths, scene, std::span<const PathTask<D>>(tasks), batch_size, results.data(),
-                     counters.empty() ? nullptr : counts.data());
-    for (std::size_t i = 0; i < n; ++i) {
-      paths[share[i]] = state_->describe(tasks[i], results[i]);
-      if (!counters.empty()) counters[share[i]] = counts[i];
-    }
+  PathWork<D> work{.queries = queries,
+                   .warm_start = warm_start,
+                   .order = order,
+                   .paths = paths,
+                   .counters = counters,
+                   .batch_size = kPointGroup * std::clamp<std::int64_t>(groups / kBatches, 1, kMostGroups)};
+  // Each thread takes batches until there is none left, and its memory from the first one on.
+  const std::int64_t threads = std::min<std::int64_t>(work.batch_count(), tbb::this_task_arena::max_concurrency());
+  parallel_for(threads, 1, [&](std::int64_t) {
+    typename State::Batches batches(*state_, work);
+    SELVAGE_DISPATCH(search_paths, scene, batches);
   });
   return paths;
 }

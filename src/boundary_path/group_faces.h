@@ -67,11 +67,55 @@ template <int D>
 void GroupSearch<D>::collect_faces() {
   walk_down();
   if (faces_.count == 0) return;
-  // The last is repeated.
+  repeat_last_face();
+  if constexpr (D == 3) {
+    leave_out_far_faces();
+    if (faces_.count == 0) return;
+    repeat_last_face();
+  }
+  for (std::size_t pair = 0; pair < faces_.count; pair += kWidth) look_at_faces(pair);
+}
+
+/// So that sixteen pairs can be looked at where fewer are left.
+template <int D>
+void GroupSearch<D>::repeat_last_face() {
   faces_.reserve(kWidth);
   std::fill_n(faces_.items.begin() + faces_.count, kWidth, faces_.items[faces_.count - 1]);
   std::fill_n(faces_.lanes.begin() + faces_.count, kWidth, faces_.lanes[faces_.count - 1]);
-  for (std::size_t pair = 0; pair < faces_.count; pair += kWidth) look_at_faces(pair);
+}
+
+/// Mostly distances alone leave few faces, of which more is to be asked.
+template <int D>
+void GroupSearch<D>::leave_out_far_faces() {
+  std::size_t kept = 0, pair = 0;
+  for (; pair < faces_.count && 2 * kept <= pair; pair += kWidth) {
+    const std::size_t left = faces_.count - pair, ahead = left > 2 * kWidth ? pair + kWidth : pair;
+    const Index *const faces = faces_.items.data() + pair, *const lanes = faces_.lanes.data() + pair;
+    for (int i = 0; i < kWidth; ++i) prefetch(scene_.face_stars + faces_.items[ahead + i]);
+    const FaceStar<D>* stars[kWidth];
+    FaceView<D> view;
+    view.rounding = scene_.rounding;
+    for (int i = 0; i < kWidth; ++i) stars[i] = scene_.face_stars + faces[i];
+    for (int i = 0; i < 3; ++i) view.p.at[i] = Float16::pick(eye_[i], lanes);
+    for (int k = 0; k < D; ++k)
+      view.corners[k] = gather(scene_.rounded, [&](int lane) { return stars[lane]->vertices[k]; });
+    const unsigned present = left < kWidth ? 0xffffu >> (kWidth - left) : 0xffffu;
+    const unsigned near = less_equal(distances_from_below(view), Float16::pick(limit_, lanes), present);
+    if (searches_[lanes[0]].counters() != nullptr) count_faces(pair, present & ~near, 0);
+    const Int8 both_faces[2] = {Int8::load(faces), Int8::load(faces + 8)};
+    const Int8 both_lanes[2] = {Int8::load(lanes), Int8::load(lanes + 8)};
+    for (int half = 0; half < 2; ++half) {
+      const unsigned some = near >> 8 * half & 0xffu;
+      store_packed(both_faces[half], some, faces_.items.data() + kept);
+      store_packed(both_lanes[half], some, faces_.lanes.data() + kept);
+      kept += static_cast<std::size_t>(count_lanes(some));
+    }
+  }
+  for (; pair < faces_.count; ++pair, ++kept) {
+    faces_.items[kept] = faces_.items[pair];
+    faces_.lanes[kept] = faces_.lanes[pair];
+  }
+  faces_.count = kept;
 }
 
 /// Nodes that most of the group comes to are visited once for all, others for each lane alone.
@@ -83,6 +127,8 @@ void GroupSearch<D>::walk_down() {
   const traversal::WideBox reach(box_of_reach(limit_));
   nodes_.items[0] = 0;
   nodes_.lanes[nodes_.count++] = static_cast<Index>(present_);
+  compares_cones_ = true;
+  left_to_compare_ = 48;
   for (std::size_t next = 0; next < nodes_.count; ++next) {
     nodes_.reserve(kFew * BvhNode::kWidth);
     faces_.reserve(kWidth * BvhNode::kWidth);
@@ -119,6 +165,18 @@ Box GroupSearch<D>::box_of_reach(const float (&squared_reach)[kWidth]) const {
   return box;
 }
 
+/// To compare a face with its cone costs more than with its box. Where the first of a group are hardly ever left out
+/// for it, the others are spared.
+template <int D>
+SELVAGE_INLINE void GroupSearch<D>::count_askew_faces(unsigned near, unsigned askew) {
+  constexpr int kWorthwhile = 12;
+  if (left_to_compare_ <= 0) return;
+  near_faces_ += count_lanes(near);
+  askew_faces_ += count_lanes(near & askew);
+  left_to_compare_ -= count_lanes(near);
+  if (left_to_compare_ <= 0) compares_cones_ = askew_faces_ * kWorthwhile >= near_faces_;
+}
+
 template <int D>
 SELVAGE_INLINE void GroupSearch<D>::visit_together(Index place, unsigned lanes, const traversal::WideBox& reach) {
   constexpr Index kLanes[kWidth] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
@@ -130,12 +188,16 @@ SELVAGE_INLINE void GroupSearch<D>::visit_together(Index place, unsigned lanes, 
     const int k = lowest_lane(rest);
     const Float16 squared = squared_gap(broadcast_rows<Float16>(node.lower, k), broadcast_rows<Float16>(node.upper, k),
                                         load_rows<Float16>(lower_), load_rows<Float16>(upper_));
-    const ChildCone<Float16> cone = {broadcast_rows<Float16>(spheres.middle, k), broadcast_rows<Float16>(cones.axis, k),
-                                     Float16::broadcast(spheres.radius[k]), Float16::broadcast(cones.cosine[k]),
-                                     Float16::broadcast(cones.sine[k])};
-    const unsigned askew = cone.seen_askew(load_rows<Float16>(eye_), 0u - (~cones.two_sided >> k & 1u));
-    const unsigned wanted = less_equal(squared, limit, lanes) & ~(askew & culling_);
     const Index child = node.children[k];
+    unsigned wanted = less_equal(squared, limit, lanes);
+    if (child < 0 || compares_cones_) {
+      const ChildCone<Float16> cone = {broadcast_rows<Float16>(spheres.middle, k),
+                                       broadcast_rows<Float16>(cones.axis, k), Float16::broadcast(spheres.radius[k]),
+                                       Float16::broadcast(cones.cosine[k]), Float16::broadcast(cones.sine[k])};
+      const unsigned askew = cone.seen_askew(load_rows<Float16>(eye_), 0u - (~cones.two_sided >> k & 1u)) & culling_;
+      if (child >= 0) count_askew_faces(wanted, askew);
+      wanted &= ~askew;
+    }
     if (child < 0) {
       nodes_.items[nodes_.count] = ~child;
       nodes_.lanes[nodes_.count] = static_cast<Index>(wanted);
@@ -161,12 +223,16 @@ SELVAGE_INLINE void GroupSearch<D>::visit(Index place, Index lane) {
   };
   const Float8 squared =
       squared_gap(load_rows<Float8>(node.lower), load_rows<Float8>(node.upper), of_lane(lower_), of_lane(upper_));
-  const ChildSpheres spheres(node);
-  const ChildCone<Float8> cone = {load_rows<Float8>(spheres.middle), load_rows<Float8>(cones.axis),
-                                  Float8::load(spheres.radius), Float8::load(cones.cosine), Float8::load(cones.sine)};
-  const unsigned askew = cone.seen_askew(of_lane(eye_), ~cones.two_sided) & (0u - (culling_ >> lane & 1u));
-  unsigned wanted = less_equal(squared, Float8::broadcast(limit_[lane])) & node.present() & ~askew;
+  unsigned wanted = less_equal(squared, Float8::broadcast(limit_[lane])) & node.present();
   const unsigned nodes = negative(Int8::load(node.children));
+  if (nodes != 0 || compares_cones_) {
+    const ChildSpheres spheres(node);
+    const ChildCone<Float8> cone = {load_rows<Float8>(spheres.middle), load_rows<Float8>(cones.axis),
+                                    Float8::load(spheres.radius), Float8::load(cones.cosine), Float8::load(cones.sine)};
+    const unsigned askew = cone.seen_askew(of_lane(eye_), ~cones.two_sided) & (0u - (culling_ >> lane & 1u));
+    count_askew_faces(wanted & ~nodes, askew);
+    wanted &= ~askew;
+  }
   Index places[BvhNode::kWidth];
   (~Int8::load(node.children)).store(places);
   nodes_.add(places, wanted & nodes, 1 << lane);

@@ -67,11 +67,17 @@ struct CurvePlace {
   Index number;
 };
 
-/// Digit by digit, the last first. Stable: items at one place stay in their order, for any number of threads. Few items
-/// are parted well enough by the leading half of the bits, and have fewer digits to count.
+/// Digit by digit, the last first. Stable: items at one place stay in their order, for any number of threads. The items
+/// of one chunk are parted well enough by the leading half of the bits; few have fewer digits to count.
 void sort_along_curve(std::vector<CurvePlace>& items) {
   constexpr std::int64_t kChunk = 1 << 15, kFew = 4096;
   const std::int64_t count = std::ssize(items), chunks = (count + kChunk - 1) / kChunk;
+  const auto for_each_chunk = [&](auto&& body) {
+    if (chunks == 1)
+      body(0);
+    else
+      parallel_for(chunks, 1, body);
+  };
   const int digit_bits = count < kFew ? 6 : 10, digits = 1 << digit_bits;
   std::vector<CurvePlace> sorted(items.size());
   std::vector<Index> places(chunks * digits);  ///< where each chunk's items with a digit go
@@ -79,8 +85,8 @@ void sort_along_curve(std::vector<CurvePlace>& items) {
     for (std::int64_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, count); ++i)
       take(items[i], places[chunk * digits + static_cast<std::int64_t>(items[i].along >> shift & (digits - 1u))]);
   };
-  for (int shift = count < kFew ? kBits * kAxes / 2 : 0; shift < kBits * kAxes; shift += digit_bits) {
-    parallel_for(chunks, 1, [&](std::int64_t chunk) {
+  for (int shift = chunks == 1 ? kBits * kAxes / 2 : 0; shift < kBits * kAxes; shift += digit_bits) {
+    for_each_chunk([&](std::int64_t chunk) {
       std::fill_n(places.begin() + chunk * digits, digits, 0);
       visit(chunk, shift, [](const CurvePlace&, Index& number) { ++number; });
     });
@@ -88,7 +94,7 @@ void sort_along_curve(std::vector<CurvePlace>& items) {
     for (int digit = 0; digit < digits; ++digit)
       for (std::int64_t chunk = 0; chunk < chunks; ++chunk)
         before += std::exchange(places[chunk * digits + digit], before);
-    parallel_for(chunks, 1, [&](std::int64_t chunk) {
+    for_each_chunk([&](std::int64_t chunk) {
       visit(chunk, shift, [&](const CurvePlace& item, Index& place) { sorted[place++] = item; });
     });
     items.swap(sorted);

@@ -2,6 +2,7 @@
 
 #include "boundary_path/face_view.h"
 #include "boundary_path/search_faces.h"
+#include "boundary_path/triangle_aims.h"
 #include "boundary_path/walk_bundle.h"
 
 #include <bit>
@@ -32,6 +33,7 @@ class GroupSearch {
   void forget() {
     latest_.count = 0;
     is_cautious_ = false;
+    near_faces_ = askew_faces_ = 0;
   }
 
   /// One result a task and, unless the pointer is null, one set of counters a task.
@@ -108,13 +110,17 @@ class GroupSearch {
   Box box_of_reach(const float (&squared_reach)[kWidth]) const;
   void visit_together(Index place, unsigned lanes, const traversal::WideBox& reach);
   void visit(Index place, Index lane);
+
+  void count_askew_faces(unsigned near, unsigned askew);
   unsigned excluded_from(const LeafNode<D>& leaf, int child) const;
   unsigned excluded_faces(const LeafNode<D>& leaf, Index lane) const;
   FaceView<D> view(const Index* faces, const Index* lanes) const;
+  void repeat_last_face();
+  void leave_out_far_faces();
   void look_at_faces(std::size_t first);
   void count_faces(std::size_t first, unsigned seen, unsigned culled);
   WaitingFace take_nearest(int lane);
-  void nominate(int lane);
+  void nominate_nearest();
   void decide(int lane);
 
   const PathScene<D>& scene_;
@@ -130,7 +136,11 @@ class GroupSearch {
   alignas(64) float barring_sources_[2][kWidth] = {};      ///< the same where their faces prove nothing
   bool any_sources_ = false, any_barring_ = false;
   Pairs nodes_, faces_;
+  bool compares_cones_ = true;            ///< of faces
+  int left_to_compare_ = 0;               ///< faces before that is decided
+  int near_faces_ = 0, askew_faces_ = 0;  ///< of those compared before, since forget()
   Waiting waiting_[kWidth];
+  TriangleAims aims_;
   Guesses guesses_;
   Answers latest_;
   bool is_cautious_ = false;  ///< many guesses were bad in the group before
@@ -180,7 +190,7 @@ unsigned GroupSearch<D>::search_near_guesses(unsigned lanes, int& bad_guesses) {
     take_bound(lane);
   }
   collect_faces();
-  for (unsigned rest = present_; rest != 0; rest &= rest - 1) nominate(lowest_lane(rest));
+  nominate_nearest();
   follow_targets();
   unsigned answered = 0;
   for (unsigned rest = present_; rest != 0; rest &= rest - 1) {
@@ -275,14 +285,41 @@ typename GroupSearch<D>::WaitingFace GroupSearch<D>::take_nearest(int lane) {
   return face;
 }
 
-/// Considers what waits, near to far, until there is something to aim at, or an answer.
+/// Considers what waits, near to far, until there is something to aim at, or an answer. Those that come first and are
+/// triangles are aimed at side by side.
 template <int D>
-void GroupSearch<D>::nominate(int lane) {
-  Search<D>& search = searches_[lane];
-  while (search.target() == nullptr && !search.has_answer()) {
-    const WaitingFace next = take_nearest(lane);
-    if (next.face == kNone) return;
-    search.nominate(next.face, next.feature);
+void GroupSearch<D>::nominate_nearest() {
+  WaitingFace first[kWidth];
+  Candidate<D> made[kWidth];
+  unsigned are_made = 0;
+  for (unsigned rest = present_; rest != 0; rest &= rest - 1)
+    first[lowest_lane(rest)] = take_nearest(lowest_lane(rest));
+  if constexpr (D == 3) {
+    constexpr unsigned kTriangle = 0b111;
+    for (unsigned rest = present_; rest != 0; rest &= rest - 1) {
+      const int lane = lowest_lane(rest);
+      if (first[lane].face == kNone || first[lane].feature != kTriangle) continue;
+      const auto& [a, b, c] = scene_.face_stars[first[lane].face].vertices;
+      const Vec<3>* const x = scene_.positions;
+      aims_.set(lane, searches_[lane].query().point, x[a], x[b], x[c]);
+      are_made |= 1u << lane;
+    }
+    aims_.aim();
+    for (unsigned rest = are_made; rest != 0; rest &= rest - 1) {
+      const int lane = lowest_lane(rest);
+      aims_.get(lane, made[lane]);
+      if (!CandidateFactory<3>::complete(scene_, first[lane].face, made[lane])) are_made &= ~(rest & (0u - rest));
+    }
+  }
+  for (unsigned rest = present_; rest != 0; rest &= rest - 1) {
+    const int lane = lowest_lane(rest);
+    Search<D>& search = searches_[lane];
+    const Candidate<D>* known = (are_made >> lane & 1) != 0 ? made + lane : nullptr;
+    for (WaitingFace next = first[lane]; next.face != kNone; next = take_nearest(lane)) {
+      search.nominate(next.face, next.feature, known);
+      if (search.target() != nullptr || search.has_answer()) break;
+      known = nullptr;
+    }
   }
 }
 

@@ -8,39 +8,35 @@ inline namespace SELVAGE_ISA {
 namespace {
 
 template <int D>
-void run_all(const PathScene<D>& scene, std::span<const PathTask<D>> tasks, std::size_t batch_size,
-             PathResult<D>* results, PathCounters* counters) {
+void run_all(const PathScene<D>& scene, PathBatches<D>& batches) {
+  PathBatch<D> batch = batches.next();
+  if (batch.tasks.empty()) return;
   GroupSearch<D> search(scene);
-  for (std::size_t first = 0; first < tasks.size(); first += batch_size) {
-    const std::size_t end = tasks.size() - first < batch_size ? tasks.size() : first + batch_size;
+  for (; !batch.tasks.empty(); batch = batches.next()) {
+    const std::size_t count = batch.tasks.size();
     search.forget();
-    for (std::size_t i = first; i < end; ++i) {
-      const Index element = tasks[i].query.element;
-      prefetch(scene.elements + element);
-      prefetch(scene.hints + element);
-      prefetch(scene.component_of + element);
+    for (const PathTask<D>& task : batch.tasks) {
+      prefetch(scene.elements + task.query.element);
+      prefetch(scene.hints + task.query.element);
+      prefetch(scene.component_of + task.query.element);
     }
-    for (std::size_t i = first; i < end; i += kPointGroup)
-      search.run(tasks.subspan(i, end - i < kPointGroup ? end - i : kPointGroup), results + i,
-                 counters != nullptr ? counters + i : nullptr);
+    for (std::size_t i = 0; i < count; i += kPointGroup)
+      search.run(batch.tasks.subspan(i, count - i < kPointGroup ? count - i : kPointGroup), batch.results + i,
+                 batch.counters != nullptr ? batch.counters + i : nullptr);
   }
 }
 
 }  // namespace
 
-void search_paths(const PathScene<2>& scene, std::span<const PathTask<2>> tasks, std::size_t batch_size,
-                  PathResult<2>* results, PathCounters* counters);
-void search_paths(const PathScene<3>& scene, std::span<const PathTask<3>> tasks, std::size_t batch_size,
-                  PathResult<3>* results, PathCounters* counters);
+void search_paths(const PathScene<2>& scene, PathBatches<2>& batches);
+void search_paths(const PathScene<3>& scene, PathBatches<3>& batches);
 
-void search_paths(const PathScene<2>& scene, std::span<const PathTask<2>> tasks, std::size_t batch_size,
-                  PathResult<2>* results, PathCounters* counters) {
-  run_all(scene, tasks, batch_size, results, counters);
+void search_paths(const PathScene<2>& scene, PathBatches<2>& batches) {
+  run_all(scene, batches);
 }
 
-void search_paths(const PathScene<3>& scene, std::span<const PathTask<3>> tasks, std::size_t batch_size,
-                  PathResult<3>* results, PathCounters* counters) {
-  run_all(scene, tasks, batch_size, results, counters);
+void search_paths(const PathScene<3>& scene, PathBatches<3>& batches) {
+  run_all(scene, batches);
 }
 
 }  // namespace SELVAGE_ISA

@@ -86,6 +86,28 @@ struct PathResult {
   VertexTuple<D> target_vertices;       ///< ascending where it is no face
   std::array<double, D> barycentric{};  ///< with respect to target_vertices
   Vec<D> offset;                        ///< s - p
+  bool has_normal = false;              ///< whether the next is the face_normal() of a triangle
+  Vec<D> normal;
+};
+
+/// Tasks that help each other, and room for what is found: one result a task and, unless the pointer is null, one set
+/// of counters a task.
+template <int D>
+struct PathBatch {
+  std::span<const PathTask<D>> tasks;
+  PathResult<D>* results;
+  PathCounters* counters;
+};
+
+/// Where a kernel gets its work from.
+template <int D>
+class PathBatches {
+ public:
+  /// The next batch, once the one before has its results; one without tasks after the last.
+  virtual PathBatch<D> next() = 0;
+
+ protected:
+  ~PathBatches() = default;
 };
 
 }  // namespace selvage

@@ -58,7 +58,8 @@ class Search {
   bool stop_supposing();
 
   /// Considers a face; if it may be the answer the segment is left to be followed in a WalkBundle, where it may be.
-  void nominate(Index face, unsigned feature);
+  /// @param known  the candidate, where it has been computed; else null
+  void nominate(Index face, unsigned feature, const Candidate<D>* known);
 
   /// Looks for a first candidate from a face on.
   void aim(Index face);
@@ -78,7 +79,8 @@ class Search {
   /// Tests a face unless it is known to be no answer.
   /// @param feature  vertices of the face (bits) that certainly span the feature of its closest point; 0: not known
   /// @param follow   whether to go on to neighbours that come closer
-  void consider(Index face, unsigned feature, bool follow = false);
+  /// @param known   the candidate, where it has been computed
+  void consider(Index face, unsigned feature, bool follow = false, const Candidate<D>* known = nullptr);
 
   /// The answer, once all faces have been considered that may be it.
   PathResult<D> finish();
@@ -210,9 +212,10 @@ bool Search<D>::stop_supposing() {
 }
 
 template <int D>
-void Search<D>::nominate(Index face, unsigned feature) {
+void Search<D>::nominate(Index face, unsigned feature, const Candidate<D>* known) {
   is_aiming_ = true;
-  consider(face, feature);
+  target_.face = kNone;
+  consider(face, feature, false, known);
   is_aiming_ = target_.face != kNone;
 }
 
@@ -276,7 +279,11 @@ PathResult<D> Search<D>::finish() {
   result.target_count = best_.target.count;
   result.target_vertices = best_.ids;
   result.barycentric = best_.barycentric;
-  for (int i = 0; i < D; ++i) result.offset[i] = best_.offset[i];
+  result.has_normal = D == 3 && best_.target.count == 3 && best_.has_normal;
+  for (int i = 0; i < D; ++i) {
+    result.offset[i] = best_.offset[i];
+    if (result.has_normal) result.normal[i] = best_.direction[i];
+  }
   return result;
 }
 

@@ -24,7 +24,7 @@ bool Search<D>::is_new(Index face) {
 }
 
 template <int D>
-void Search<D>::consider(Index face, unsigned feature, bool follow) {
+void Search<D>::consider(Index face, unsigned feature, bool follow, const Candidate<D>* known) {
   while (face != kNone && is_new(face)) {
     if (!may_end_at(face)) return;
     if (counters_ != nullptr) ++counters_->faces_visited;
@@ -33,7 +33,9 @@ void Search<D>::consider(Index face, unsigned feature, bool follow) {
     const double limit = reject_above_ + estimate.error;
     if (estimate.squared_distance > limit * limit) return;
     if (!estimate.ambiguous && is_known(face, estimate.mask)) return;
-    const Candidate<D> candidate = candidates_.make(face, estimate);
+    Candidate<D> made;
+    if (known == nullptr) made = candidates_.make(face, estimate);
+    const Candidate<D>& candidate = known != nullptr ? *known : made;
     if (is_worse(candidate) || was_dismissed(candidate.ids)) return;
     if (is_zero(candidate.offset)) return test_touching(candidate);
     const Index closer = scene_.options.cull_infeasible_regions ? closer_neighbour(candidate) : kNone;
@@ -42,6 +44,7 @@ void Search<D>::consider(Index face, unsigned feature, bool follow) {
     dismiss(candidate);
     face = follow ? closer : kNone;
     feature = 0;
+    known = nullptr;
   }
 }
 

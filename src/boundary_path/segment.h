@@ -66,6 +66,7 @@ struct Candidate {
   double direction[D];         ///< parallel to s - p, known better than it when the target is a triangle
   double direction_error = 0;  ///< absolute, per coordinate of `direction`
   double offset_error = 0;     ///< absolute, per coordinate of `offset`
+  bool has_normal = false;     ///< the direction is the normal of a triangle, outward
 };
 
 /// Where several corners of the material meet in the target, each of their faces is a target of its own.

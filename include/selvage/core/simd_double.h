@@ -28,6 +28,11 @@ SELVAGE_INLINE WideDouble sqrt(WideDouble a) {
   return {_mm512_maskz_sqrt_pd(0xff, a.v)};
 }
 
+/// a < b ? x : y
+SELVAGE_INLINE WideDouble select_less(WideDouble a, WideDouble b, WideDouble x, WideDouble y) {
+  return {_mm512_mask_blend_pd(_mm512_cmp_pd_mask(a.v, b.v, _CMP_LT_OQ), y.v, x.v)};
+}
+
 /// Its own inverse, with rows i and i + 4 in the two halves of register i.
 SELVAGE_INLINE void transpose_rows(const __m512d (&r)[4], __m512d (&c)[4]) {
   const __m512i even = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13), odd = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
@@ -76,6 +81,9 @@ SELVAGE_INLINE WideDouble max(WideDouble a, WideDouble b) {
 SELVAGE_INLINE WideDouble sqrt(WideDouble a) {
   return {_mm256_sqrt_pd(a.v)};
 }
+SELVAGE_INLINE WideDouble select_less(WideDouble a, WideDouble b, WideDouble x, WideDouble y) {
+  return {_mm256_blendv_pd(y.v, x.v, _mm256_cmp_pd(a.v, b.v, _CMP_LT_OQ))};
+}
 
 /// Its own inverse.
 SELVAGE_INLINE void transpose_rows(const __m256d (&r)[4], __m256d (&c)[4]) {
@@ -117,6 +125,10 @@ SELVAGE_INLINE WideDouble max(WideDouble a, WideDouble b) {
 SELVAGE_INLINE WideDouble sqrt(WideDouble a) {
   return {_mm_sqrt_pd(a.v)};
 }
+SELVAGE_INLINE WideDouble select_less(WideDouble a, WideDouble b, WideDouble x, WideDouble y) {
+  const __m128d less = _mm_cmplt_pd(a.v, b.v);
+  return {_mm_or_pd(_mm_and_pd(less, x.v), _mm_andnot_pd(less, y.v))};
+}
 
 template <typename Offset>
 SELVAGE_INLINE void load_rows(const double* rows, const Offset* offsets, WideDouble (&column)[4]) {
@@ -153,6 +165,9 @@ SELVAGE_INLINE WideDouble max(WideDouble a, WideDouble b) {
 }
 SELVAGE_INLINE WideDouble sqrt(WideDouble a) {
   return {__builtin_sqrt(a.v)};
+}
+SELVAGE_INLINE WideDouble select_less(WideDouble a, WideDouble b, WideDouble x, WideDouble y) {
+  return a.v < b.v ? x : y;
 }
 template <typename Offset>
 SELVAGE_INLINE void load_rows(const double* rows, const Offset* offsets, WideDouble (&column)[4]) {
