@@ -121,8 +121,8 @@ struct BoundaryPathFinder<D>::State {
 
   void check(std::span<const PathQuery<D>> queries, std::span<const Index> warm_start, std::size_t counters) const;
   std::vector<Index> order_in_groups(std::span<const PathQuery<D>> queries) const;
-  BoundaryPath<D> describe(const PathTask<D>& task, const PathResult<D>& result) const;
-  Vec<D> normal_at(Index face, const PathResult<D>& result) const;
+  void describe(const PathTask<D>& task, const PathResult<D>& result, BoundaryPath<D>& path) const;
+  void set_normal(Index face, const PathResult<D>& result, Vec<D>& unit) const;
   bool is_skipped(Index element) const;
   Box box_around(const std::array<Vec<D>, 2>& corners) const {
     return pose.box_around(to_scene(corners[0]), to_scene(corners[1]));
@@ -178,35 +178,34 @@ std::vector<Index> BoundaryPathFinder<D>::State::order_in_groups(std::span<const
 
 /// Area-weighted over the faces of the feature at this corner of the material; where they cancel, the face's own.
 template <int D>
-Vec<D> BoundaryPathFinder<D>::State::normal_at(Index face, const PathResult<D>& result) const {
+void BoundaryPathFinder<D>::State::set_normal(Index face, const PathResult<D>& result, Vec<D>& unit) const {
   const auto normal_of = [&](Index f) { return face_normal(pose.positions(), topology.face_stars[f].vertices); };
+  const auto set = [&](const Vec<D>& normal) {
+    const double length = length_of<D>(normal);
+    // The sum turns a negative zero into a positive one.
+    for (int i = 0; i < D; ++i) unit[i] = length > 0 ? (0.0 + normal[i]) / length : 0.0 + normal[i];
+  };
+  if (result.has_normal) return set(result.normal);
+  if (result.target_count == D) return set(normal_of(face));
   Vec<D> normal = Vec<D>::Zero();
-  if (result.has_normal) {
-    normal += result.normal;
-  } else if (result.target_count == D) {
-    normal += normal_of(face);
-  } else {
-    double total = 0;
-    visit_feature<D>(mesh.boundary_faces().data(), mesh.boundary_neighbours().data(), face, result.target_vertices,
-                     result.target_count, [&](Index other) {
-                       const Vec<D> part = normal_of(other);
-                       normal += part;
-                       total += part.norm();
-                     });
-    if (!(normal.norm() > 1e-12 * total)) normal = normal_of(face);
-  }
-  const double length = length_of<D>(normal);
-  return length > 0 ? Vec<D>(normal / length) : normal;
+  double total = 0;
+  visit_feature<D>(mesh.boundary_faces().data(), mesh.boundary_neighbours().data(), face, result.target_vertices,
+                   result.target_count, [&](Index other) {
+                     const Vec<D> part = normal_of(other);
+                     normal += part;
+                     total += part.norm();
+                   });
+  set(normal.norm() > 1e-12 * total ? normal : normal_of(face));
 }
 
 template <int D>
-BoundaryPath<D> BoundaryPathFinder<D>::State::describe(const PathTask<D>& task, const PathResult<D>& result) const {
-  BoundaryPath<D> path;
+void BoundaryPathFinder<D>::State::describe(const PathTask<D>& task, const PathResult<D>& result,
+                                            BoundaryPath<D>& path) const {
   path.status = result.status;
   path.barycentric.setZero();
   path.point.setZero();
   path.normal.setZero();
-  if (result.status != PathStatus::kFound) return path;
+  if (result.status != PathStatus::kFound) return;
   constexpr BoundaryFeature kFeatures[] = {BoundaryFeature::kVertex, BoundaryFeature::kEdge, BoundaryFeature::kFace};
   path.feature = result.target_count == D ? BoundaryFeature::kFace : kFeatures[result.target_count - 1];
   path.face = result.face;
@@ -217,8 +216,7 @@ BoundaryPath<D> BoundaryPathFinder<D>::State::describe(const PathTask<D>& task, 
   path.point = from_scene(result.target_count == 1 ? pose.positions()[result.target_vertices[0]]
                                                    : Vec<D>(task.query.point + result.offset));
   path.distance = from_scene(length_of<D>(result.offset));
-  path.normal = normal_at(result.face, result);
-  return path;
+  set_normal(result.face, result, path.normal);
 }
 
 /// Whether DCD leaves the element out: inverted, and on the boundary (SPB section 3.5).
@@ -284,7 +282,6 @@ class BoundaryPathFinder<D>::State::Batches final : public PathBatches<D> {
     results_.resize(share_.size());
     counters_.assign(work_.counters.empty() ? 0 : share_.size(), {});
     for (std::size_t i = 0; i < share_.size(); ++i) {
-      fetch_ahead(work_.queries, i);
       tasks_[i].query = work_.queries[share_[i]];
       for (double& x : tasks_[i].query.point) x = state_.to_scene(x);
       tasks_[i].warm_start = work_.warm_start.empty() ? kNone : work_.warm_start[share_[i]];
@@ -295,19 +292,10 @@ class BoundaryPathFinder<D>::State::Batches final : public PathBatches<D> {
  private:
   void hand_in() {
     for (std::size_t i = 0; i < share_.size(); ++i) {
-      fetch_ahead(work_.paths, i);
-      work_.paths[share_[i]] = state_.describe(tasks_[i], results_[i]);
+      state_.describe(tasks_[i], results_[i], work_.paths[share_[i]]);
       if (!counters_.empty()) work_.counters[share_[i]] = counters_[i];
     }
     share_ = {};
-  }
-
-  template <typename Item>
-  void fetch_ahead(std::span<Item> items, std::size_t i) const {
-    constexpr std::size_t kAhead = 8;
-    const Item* const item = &items[share_[std::min(i + kAhead, share_.size() - 1)]];
-    prefetch(item);
-    prefetch(reinterpret_cast<const char*>(item + 1) - 1);
   }
 
   const State& state_;

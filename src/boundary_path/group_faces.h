@@ -127,8 +127,7 @@ void GroupSearch<D>::walk_down() {
   const traversal::WideBox reach(box_of_reach(limit_));
   nodes_.items[0] = 0;
   nodes_.lanes[nodes_.count++] = static_cast<Index>(present_);
-  compares_cones_ = true;
-  left_to_compare_ = 48;
+  compare_cones();
   for (std::size_t next = 0; next < nodes_.count; ++next) {
     nodes_.reserve(kFew * BvhNode::kWidth);
     faces_.reserve(kWidth * BvhNode::kWidth);
@@ -138,6 +137,7 @@ void GroupSearch<D>::walk_down() {
       prefetch(reinterpret_cast<const char*>(scene_.face_cones + ahead) + line);
     const Index place = nodes_.items[next];
     const unsigned lanes = static_cast<unsigned>(nodes_.lanes[next]);
+    if (!compares_cones_ && faces_.count >= compare_again_at_) compare_cones();
     if (count_bits(lanes) > kFew)
       visit_together(place, lanes, reach);
     else
@@ -165,16 +165,25 @@ Box GroupSearch<D>::box_of_reach(const float (&squared_reach)[kWidth]) const {
   return box;
 }
 
-/// To compare a face with its cone costs more than with its box. Where the first of a group are hardly ever left out
-/// for it, the others are spared.
+/// To compare a face with its cone costs more than with its box. Where some faces of a group are hardly ever left out
+/// for it, many others are spared, until some are compared again.
+template <int D>
+void GroupSearch<D>::compare_cones() {
+  compares_cones_ = true;
+  left_to_compare_ = 48;
+}
+
 template <int D>
 SELVAGE_INLINE void GroupSearch<D>::count_askew_faces(unsigned near, unsigned askew) {
   constexpr int kWorthwhile = 12;
+  constexpr std::size_t kSpared = 192;
   if (left_to_compare_ <= 0) return;
   near_faces_ += count_lanes(near);
   askew_faces_ += count_lanes(near & askew);
   left_to_compare_ -= count_lanes(near);
-  if (left_to_compare_ <= 0) compares_cones_ = askew_faces_ * kWorthwhile >= near_faces_;
+  if (left_to_compare_ > 0) return;
+  compares_cones_ = askew_faces_ * kWorthwhile >= near_faces_;
+  compare_again_at_ = faces_.count + kSpared;
 }
 
 template <int D>

@@ -14,6 +14,7 @@ inline namespace SELVAGE_ISA {
 struct NoBundle {
   explicit NoBundle(const PathScene<2>&) {}
   int elements_visited(int) const { return 0; }
+  unsigned blocked() const { return 0; }
 };
 
 /// The searches of up to sixteen queries that lie near each other.
@@ -111,6 +112,7 @@ class GroupSearch {
   void visit_together(Index place, unsigned lanes, const traversal::WideBox& reach);
   void visit(Index place, Index lane);
 
+  void compare_cones();
   void count_askew_faces(unsigned near, unsigned askew);
   unsigned excluded_from(const LeafNode<D>& leaf, int child) const;
   unsigned excluded_faces(const LeafNode<D>& leaf, Index lane) const;
@@ -138,6 +140,7 @@ class GroupSearch {
   Pairs nodes_, faces_;
   bool compares_cones_ = true;            ///< of faces
   int left_to_compare_ = 0;               ///< faces before that is decided
+  std::size_t compare_again_at_ = 0;      ///< how many faces are listed when it is decided anew
   int near_faces_ = 0, askew_faces_ = 0;  ///< of those compared before, since forget()
   Waiting waiting_[kWidth];
   TriangleAims aims_;
@@ -248,7 +251,11 @@ void GroupSearch<D>::follow_targets() {
   }
   for (unsigned rest = present_; rest != 0; rest &= rest - 1) {
     const int lane = lowest_lane(rest);
-    searches_[lane].test_target((paths >> lane & 1) != 0 ? bundle_.elements_visited(lane) : 0);
+    const bool is_path = (paths >> lane & 1) != 0, is_blocked = (bundle_.blocked() >> lane & 1) != 0;
+    searches_[lane].test_target(is_path      ? SegmentState::kPath
+                                : is_blocked ? SegmentState::kBlocked
+                                             : SegmentState::kUnknown,
+                                bundle_.elements_visited(lane));
   }
 }
 

@@ -10,6 +10,9 @@
 namespace selvage {
 inline namespace SELVAGE_ISA {
 
+/// What is known of the segment to a candidate.
+enum class SegmentState : std::uint8_t { kUnknown, kPath, kBlocked };
+
 /// Where the shortest path of a query ends.
 template <int D>
 struct Answer {
@@ -68,9 +71,9 @@ class Search {
   /// has been tested.
   const Candidate<D>* target() const { return is_aiming_ ? &target_ : nullptr; }
 
-  /// Tests the target, if there is one.
-  /// @param elements_visited  by the segment to the target, when it is known to be a path
-  void test_target(int elements_visited);
+  /// Tests the target, if there is one, as far as that is left to do.
+  /// @param elements_visited  by the segment to the target, when its state is known
+  void test_target(SegmentState state, int elements_visited);
 
   /// Goes on until there is a path: from the target's, from near in the mesh, and last anywhere. False when there is
   /// none.
@@ -228,14 +231,17 @@ void Search<D>::aim(Index face) {
 }
 
 template <int D>
-void Search<D>::test_target(int elements_visited) {
+void Search<D>::test_target(SegmentState state, int elements_visited) {
   if (!is_aiming_) return;
   is_aiming_ = false;
-  if (elements_visited == 0) return test(target_);
+  // Where a blocked segment ends is worth to know as long as there is no bound.
+  if (state == SegmentState::kUnknown || (state == SegmentState::kBlocked && squared_bound() == kInfinity))
+    return test(target_);
   if (counters_ != nullptr) {
     ++counters_->traversals;
     counters_->elements_visited += elements_visited;
   }
+  if (state == SegmentState::kBlocked) return dismiss(target_);
   accept(target_);
 }
 

@@ -7,17 +7,18 @@ namespace selvage {
 inline namespace SELVAGE_ISA {
 
 /// Up to sixteen segments from points p to candidates s that are followed side by side in single precision, each as
-/// long as everything about it is certain. What is found to be a valid path is one; of the others nothing is said.
+/// long as everything about it is certain. What is found to be a valid path is one, what is found to be blocked is
+/// none; of the others nothing is said.
 ///
-/// As in Walk an element is left through the face that the line passes through; but nothing is asked about s on the
-/// way. All elements are positive and all neighbours lie on both sides of their face, so that the line runs forward
-/// from face to face. The element with the target is convex and holds s, so that the line comes into it no later than
-/// to s.
+/// As in Walk an element is left through the face that the line passes through. All elements are positive and all
+/// neighbours lie on both sides of their face, so that the line runs forward from face to face. The element with the
+/// target is convex and holds s, so that the line comes into it no later than to s. A line that leaves the material
+/// before, or comes to a face that lies beyond s, is blocked.
 class WalkBundle {
  public:
   explicit WalkBundle(const PathScene<3>& scene) : scene_(scene) {}
 
-  void clear() { walking_ = 0; }
+  void clear() { walking_ = blocked_ = 0; }
 
   /// p lies strictly inside its element, which does not have the target; no corners of the material meet there.
   void add(int lane, Index element, const Candidate<3>& candidate);
@@ -26,15 +27,19 @@ class WalkBundle {
   /// @param eye  p of each lane in the frame, each coordinate to the nearest float
   unsigned follow(const float (&eye)[3][kPointGroup]);
 
-  /// Of a valid path.
+  /// Lanes with segments that are no valid paths, among those followed last.
+  unsigned blocked() const { return blocked_; }
+
+  /// Of a valid path, or a blocked one.
   int elements_visited(int lane) const { return visited_[lane]; }
 
  private:
   static constexpr int kLanes = kPointGroup, kMostSteps = 64;
 
-  /// Vertices as seen along the segments: across them, and the largest coordinate relative to p.
+  /// Vertices as seen along the segments: across them, and relative to p the largest coordinate and the one along which
+  /// the segment is longest.
   struct Shadows {
-    Float16 x, y, reach;
+    Float16 x, y, reach, along;
   };
   struct Sides {
     unsigned positive, negative;
@@ -45,25 +50,32 @@ class WalkBundle {
   void find_first_gates();
   unsigned arrive();
   void pass_gates();
-  void set_corner(int k, int lane, Index vertex, const float (&shadows)[3][kLanes]) {
+  void stop_beyond_ends();
+  void set_corner(int k, int lane, Index vertex, const float (&shadows)[4][kLanes]) {
     vertices_[k][lane] = vertex;
-    for (int i = 0; i < 3; ++i) corners_[k][i][lane] = shadows[i][lane];
+    for (int i = 0; i < 4; ++i) corners_[k][i][lane] = shadows[i][lane];
   }
-  static void store(const Shadows& s, float (&rows)[3][kLanes]) {
+  SELVAGE_INLINE Shadows corner(int k) const {
+    const auto& rows = corners_[k];
+    return {Float16::load(rows[0]), Float16::load(rows[1]), Float16::load(rows[2]), Float16::load(rows[3])};
+  }
+  static void store(const Shadows& s, float (&rows)[4][kLanes]) {
     s.x.store(rows[0]);
     s.y.store(rows[1]);
     s.reach.store(rows[2]);
+    s.along.store(rows[3]);
   }
 
   const PathScene<3>& scene_;
-  unsigned walking_ = 0;
+  unsigned walking_ = 0, blocked_ = 0;
   int visited_[kLanes];
   Index element_[kLanes];                          ///< that the segment leaves through its gate
   Index next_[kLanes];                             ///< what lies behind the gate
   Index goal_[kLanes], goal_vertices_[2][kLanes];  ///< the owner of the target, or what an element there must have
-  Vector16 eye_, across_[2];                       ///< directions across the segments
-  alignas(64) float across_rows_[2][3][kLanes] = {};
-  alignas(64) float corners_[3][3][kLanes] = {};  ///< of the gates, each as a Shadows
+  Vector16 eye_, across_[2], along_;               ///< directions across the segments, and an axis along them
+  alignas(64) float across_rows_[2][3][kLanes] = {}, along_rows_[3][kLanes] = {};
+  alignas(64) float ends_[kLanes] = {};           ///< `along` of s, or a little more
+  alignas(64) float corners_[3][4][kLanes] = {};  ///< of the gates, each as a Shadows
   Index vertices_[3][kLanes];                     ///< of the gates
   alignas(64) Index apexes_[4][kLanes] = {};
 };
@@ -82,6 +94,9 @@ inline void WalkBundle::add(int lane, Index element, const Candidate<3>& candida
     across_rows_[k][other[1 - k]][lane] = 0;
     across_rows_[k][axis][lane] = static_cast<float>(-turn * (d[other[k]] / d[axis]));
   }
+  along_rows_[axis][lane] = static_cast<float>(sign);
+  for (const int i : other) along_rows_[i][lane] = 0;
+  ends_[lane] = static_cast<float>(std::abs(candidate.offset[axis])) * (1 + 0x1p-20f) + 1e-30f;
   element_[lane] = element;
   visited_[lane] = 1;
   const bool is_face = candidate.target.count == 3;
@@ -96,10 +111,12 @@ inline unsigned WalkBundle::follow(const float (&eye)[3][kPointGroup]) {
   for (int i = 0; i < 3; ++i) {
     eye_.at[i] = Float16::load(eye[i]);
     for (int k = 0; k < 2; ++k) across_[k].at[i] = Float16::load(across_rows_[k][i]);
+    along_.at[i] = Float16::load(along_rows_[i]);
   }
   find_first_gates();
   unsigned arrived = 0;
   for (int step = 0; step < kMostSteps && walking_ != 0; ++step) {
+    stop_beyond_ends();
     arrived |= arrive();
     pass_gates();
   }
@@ -111,7 +128,7 @@ SELVAGE_INLINE WalkBundle::Shadows WalkBundle::shadows_of(const Index* vertices)
   const Vector16 x = gather(scene_.rounded, [&](int lane) { return vertices[lane]; }) - eye_;
   const Float16 zero = Float16::broadcast(0);
   const auto size = [&](int i) { return max(x.at[i], zero - x.at[i]); };
-  return {dot(across_[0], x), dot(across_[1], x), max(max(size(0), size(1)), size(2))};
+  return {dot(across_[0], x), dot(across_[1], x), max(max(size(0), size(1)), size(2)), dot(along_, x)};
 }
 
 /// Signs of det(s - p, a - p, b - p), where they are certain.
@@ -134,7 +151,7 @@ inline void WalkBundle::find_first_gates() {
     for (int k = 0; k < 4; ++k) apexes_[k][lane] = scene_.elements[element_[lane]].vertices[k];
   }
   Shadows shadows[4];
-  alignas(64) float rows[4][3][kLanes];
+  alignas(64) float rows[4][4][kLanes];
   for (int k = 0; k < 4; ++k) {
     shadows[k] = shadows_of(apexes_[k]);
     store(shadows[k], rows[k]);
@@ -169,6 +186,7 @@ inline unsigned WalkBundle::arrive() {
     const HalfFace next{next_[lane]};
     const unsigned bit = 1u << lane;
     if (!next.exists()) {
+      blocked_ |= bit;
       walking_ &= ~bit;
       continue;
     }
@@ -186,14 +204,27 @@ inline unsigned WalkBundle::arrive() {
   return arrived;
 }
 
+/// Where all corners of a gate certainly lie beyond s, as seen on a coordinate, so does where the line passes through.
+/// A coordinate relative to p is off by 2 r + 2^-24 of the reach: see sides().
+inline void WalkBundle::stop_beyond_ends() {
+  Float16 nearest;
+  for (int k = 0; k < 3; ++k) {
+    const Float16 error =
+        Float16::load(corners_[k][2]) * Float16::broadcast(0x1p-22f) + Float16::broadcast(4 * scene_.rounding);
+    const Float16 along = Float16::load(corners_[k][3]) - error;
+    nearest = k == 0 ? along : min(nearest, along);
+  }
+  const unsigned beyond = less_equal(Float16::load(ends_), nearest, walking_);
+  blocked_ |= beyond;
+  walking_ &= ~beyond;
+}
+
 /// Turns the gates into those through which the segments leave the elements.
 inline void WalkBundle::pass_gates() {
   const Shadows apex = shadows_of(apexes_[0]);
   Sides side[3];
-  for (int k = 0; k < 3; ++k)
-    side[k] =
-        sides({Float16::load(corners_[k][0]), Float16::load(corners_[k][1]), Float16::load(corners_[k][2])}, apex);
-  alignas(64) float rows[3][kLanes];
+  for (int k = 0; k < 3; ++k) side[k] = sides(corner(k), apex);
+  alignas(64) float rows[4][kLanes];
   store(apex, rows);
   const unsigned last = side[0].negative & side[1].positive, first = side[1].negative & side[2].positive;
   walking_ &= last | first | (side[2].negative & side[0].positive);

@@ -55,7 +55,7 @@ PathQuery<3> random_query(const Material& material, test::Random& random) {
 }
 
 struct Tally {
-  std::int64_t paths = 0, found = 0;
+  std::int64_t paths = 0, found = 0, others = 0, blocked = 0;
 };
 
 /// Sixteen queries: the paths to the face near in the mesh, or to any.
@@ -79,12 +79,19 @@ void compare(const Material& material, test::Random& random, WalkBundle& bundle,
     walks |= 1u << lane;
   }
   const unsigned found = bundle.follow(eye);
-  ASSERT_EQ(found & ~walks, 0u);
+  const unsigned blocked = bundle.blocked();
+  ASSERT_EQ((found | blocked) & ~walks, 0u);
+  ASSERT_EQ(found & blocked, 0u);
   for (int lane = 0; lane < kPointGroup; ++lane) {
     if ((walks >> lane & 1) == 0) continue;
     PathCounters counters;
     const bool is_path = Walk<3>(scene, queries[lane], true, &counters).follow(candidates[lane], false).valid;
     tally.paths += is_path;
+    tally.others += !is_path;
+    if ((blocked >> lane & 1) != 0) {
+      ++tally.blocked;
+      ASSERT_FALSE(is_path) << "element " << queries[lane].element << ", face " << candidates[lane].face;
+    }
     if ((found >> lane & 1) == 0) continue;
     ++tally.found;
     ASSERT_TRUE(is_path) << "element " << queries[lane].element << ", face " << candidates[lane].face;
@@ -107,6 +114,8 @@ TEST(WalkBundle, finds_most_paths_and_no_others_where_the_mesh_crosses_itself) {
   const Tally tally = compare_many(Material(rod.positions, rod.tetrahedra));
   EXPECT_GT(tally.paths, 10);
   EXPECT_GT(static_cast<double>(tally.found), 0.8 * static_cast<double>(tally.paths));
+  EXPECT_GT(tally.others, 10);
+  EXPECT_GT(static_cast<double>(tally.blocked), 0.5 * static_cast<double>(tally.others));
 }
 
 TEST(WalkBundle, finds_no_others_on_a_lattice) {
