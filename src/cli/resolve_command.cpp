@@ -44,15 +44,6 @@ std::vector<Vec3> read_rest(const std::string& path, const MeshFile& mesh) {
   return std::move(rest.positions);
 }
 
-/// Before the work, which may take long, and not after it.
-void check_holds_tetrahedra(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  for (const std::string_view surface : {".obj", ".ply", ".stl", ".off"})
-    if (extension == surface)
-      throw Error(path, fmt::format("a {} file holds no tetrahedra", surface), "write .msh, .vtu, .vtk or .mesh");
-}
-
 std::vector<Index> find_pinned(const ResolveCommandOptions& options, const MeshFile& mesh) {
   const auto count = static_cast<Index>(mesh.positions.size());
   std::vector<Index> pinned;
@@ -173,11 +164,11 @@ void run_resolve(ResolveCommandOptions& options) {
     if (!input.empty()) inputs.emplace_back(input);
   OutputFiles outputs;
   if (options.output == "-") throw Error("-o", "a mesh cannot be written to standard output", "name a file");
-  check_holds_tetrahedra(options.output);
   for (const auto& file : files_of_mesh(options.output)) outputs.expect(file.string(), inputs);
   outputs.expect(options.common.json, inputs);
 
   MeshFile mesh = read_solid(options.mesh);
+  check_format_holds(options.output, mesh);
   if (!options.rest.empty()) options.limits.rest_positions = read_rest(options.rest, mesh);
   options.limits.pinned = find_pinned(options, mesh);
   watch.lap("read");

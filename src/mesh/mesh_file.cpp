@@ -95,15 +95,17 @@ void check_positions(const std::vector<Vec3>& positions, std::string_view name) 
 }
 
 void check_writable(const MeshFile& mesh, const Format& format, std::string_view name) {
+  const auto refuse = [&](std::string_view elements) {
+    throw Error(name, fmt::format("a {} file holds no {}", format.extension, elements),
+                "write .msh, .vtu, .vtk or .mesh");
+  };
   if (mesh.triangles.empty() && mesh.tetrahedra.empty())
     throw Error(name, "the mesh has no element", "write at least one");
-  if (!mesh.triangles.empty() && !format.holds_triangles) {
-    throw Error(name, fmt::format("a {} file holds no triangles", format.extension), "write .msh, .vtu, .vtk or .mesh");
-  }
-  if (!mesh.tetrahedra.empty() && !format.holds_tetrahedra) {
-    throw Error(name, fmt::format("a {} file holds no tetrahedra", format.extension),
-                "write .msh, .vtu, .vtk or .mesh");
-  }
+  if (!mesh.triangles.empty() && !format.holds_triangles) refuse("triangles");
+  if (!mesh.tetrahedra.empty() && !format.holds_tetrahedra) refuse("tetrahedra");
+}
+
+void check_content(const MeshFile& mesh, std::string_view name) {
   check_positions(mesh.positions, name);
   check_elements(mesh.triangles, mesh.positions.size(), "triangle", name);
   check_elements(mesh.tetrahedra, mesh.positions.size(), "tetrahedron", name);
@@ -164,10 +166,16 @@ MeshFile read_mesh(const fs::path& path) {
   return format::parse_mesh(extension, {bytes, name}, {twin_bytes, twin_name});
 }
 
+void check_format_holds(const fs::path& path, const MeshFile& mesh) {
+  const std::string name = path.string();
+  check_writable(mesh, find_format(path.extension().string(), name), name);
+}
+
 void write_mesh(const fs::path& path, const MeshFile& mesh, FileEncoding encoding) {
   const std::string name = path.string();
   const Format& found = find_format(path.extension().string(), name);
   check_writable(mesh, found, name);
+  check_content(mesh, name);
   if (!is_tetgen(found)) {
     const std::string bytes = found.print(mesh, encoding == FileEncoding::kUsual ? found.usual : encoding);
     return write_whole_files(std::array{FileContent{path, bytes}});

@@ -74,9 +74,13 @@ TEST_F(Resolve, RefusesWithOneLine) {
   expect_refused("resolve box.vtu -o -", 2, {"standard output"});
   expect_refused("resolve box.vtu -o box.vtu", 2, {"box.vtu"});
   expect_refused("resolve box.vtu -o out.xyz", 2, {"out.xyz"});
-  // Before anything is read.
+  // Before the work.
   for (const char* name : {"out.stl", "out.OBJ", "out.ply", "out.off"})
-    expect_refused(std::string("resolve none.vtu -o ") + name, 2, {name, "holds no tetrahedra"});
+    expect_refused(std::string("resolve box.vtu --pin none.txt -o ") + name, 2, {name, "holds no tetrahedra"});
+  MeshFile with_surface = read_mesh(file("box.vtu"));
+  with_surface.triangles = {{0, 1, 2}};
+  write_mesh(file("surface.vtu"), with_surface);
+  expect_refused("resolve surface.vtu --pin none.txt -o out.t", 2, {"out.t", "holds no triangles"});
   expect_refused("resolve box.vtu -o out.vtu --rest finer.vtu", 2, {"finer.vtu", "other vertices or elements"});
   expect_refused("resolve box.vtu -o out.vtu --pin far.txt", 2, {"far.txt:2", "no vertex 1000"});
   expect_refused("resolve box.vtu -o out.vtu --pin word.txt", 2, {"word.txt:1", "'zero'"});

@@ -149,6 +149,11 @@ TEST_F(RoundTrip, ElementsThatAFormatCannotHold) {
   for (const char* name : {"m.t", "m.node", "m.ele"}) {
     EXPECT_NE(error_of_writing(folder_ / name, one_triangle()).find("holds no triangles"), std::string::npos) << name;
   }
+  EXPECT_THROW(check_format_holds("m.off", one_tetrahedron()), Error);
+  EXPECT_THROW(check_format_holds("m.t", one_triangle()), Error);
+  EXPECT_THROW(check_format_holds("m.xyz", one_triangle()), Error);
+  EXPECT_NO_THROW(check_format_holds("m.off", one_triangle()));
+  EXPECT_NO_THROW(check_format_holds("m.t", one_tetrahedron()));
   EXPECT_EQ(folder_.file_count(), 0u);
 }
 

@@ -32,6 +32,10 @@ enum class FileEncoding {
 ///                vertex in an element, no element at all
 MeshFile read_mesh(const std::filesystem::path& path);
 
+/// The door of write_mesh(), to be asked before long work on a mesh of which only vertices will move.
+/// @throws Error  unknown extension, or elements of a kind that the format does not have
+void check_format_holds(const std::filesystem::path& path, const MeshFile& mesh);
+
 /// Writes a mesh in the format of the extension; whole or not at all (written beside and renamed). Coordinates survive
 /// a round trip bit for bit where the format can hold them (ASCII is written with the shortest exact digits; binary STL
 /// and OFF hold floats only).
