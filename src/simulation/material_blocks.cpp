@@ -2,66 +2,16 @@
 
 #include "selvage/core/parallel.h"
 
-#include <numeric>
+#include <limits>
 
 namespace selvage {
 
 namespace {
 
-/// The 21 lowest bits of x, each three places from the next.
-std::uint64_t spread_bits(std::uint64_t x) {
-  x = (x | x << 32) & 0x001f00000000ffff;
-  x = (x | x << 16) & 0x001f0000ff0000ff;
-  x = (x | x << 8) & 0x100f00f00f00f00f;
-  x = (x | x << 4) & 0x10c30c30c30c30c3;
-  x = (x | x << 2) & 0x1249249249249249;
-  return x;
-}
-
-/// The elements of a body along a Morton curve through its rest pose, from `ordered[body.first_element]` on.
-void order_elements(const Model& model, const Body& body, std::vector<Index>& ordered) {
-  Vec3 lower = model.rest_positions[body.first_vertex], upper = lower;
-  for (Index v = body.first_vertex; v < body.first_vertex + body.vertex_count; ++v) {
-    lower = lower.cwiseMin(model.rest_positions[v]);
-    upper = upper.cwiseMax(model.rest_positions[v]);
-  }
-  const double scale = 0x1fffff / (upper - lower).maxCoeff();
-  struct Place {
-    std::uint64_t key;
-    Index element;
-    bool operator<(const Place& other) const { return key != other.key ? key < other.key : element < other.element; }
-  };
-  std::vector<Place> places(body.element_count);
-  parallel_for(body.element_count, kGrain, [&](std::int64_t i) {
-    const Index element = body.first_element + static_cast<Index>(i);
-    Vec3 centre = Vec3::Zero();
-    for (const Index v : model.mesh.elements()[element]) centre += 0.25 * (model.rest_positions[v] - lower);
-    std::uint64_t key = 0;
-    for (int axis = 0; axis < 3; ++axis)
-      key |= spread_bits(static_cast<std::uint64_t>(std::max(0.0, scale * centre[axis]))) << axis;
-    places[i] = {key, element};
-  });
-  parallel_sort(places.begin(), places.end());
-  for (Index i = 0; i < body.element_count; ++i) ordered[body.first_element + i] = places[i].element;
-}
-
-/// A run of `ordered` elements of one body.
+/// The elements of a block.
 struct Piece {
-  Index body, first, last;
+  Index body, first, last;  ///< `ordered`
 };
-
-/// All bodies cut into pieces as equal as can be.
-std::vector<Piece> cut_pieces(const Model& model) {
-  std::vector<Piece> pieces;
-  for (Index b = 0; b < std::ssize(model.bodies); ++b) {
-    const Body& body = model.bodies[b];
-    const std::int64_t count = (body.element_count + kBlockElements - 1) / kBlockElements;
-    for (std::int64_t i = 0; i < count; ++i)
-      pieces.push_back({b, body.first_element + static_cast<Index>(i * body.element_count / count),
-                        body.first_element + static_cast<Index>((i + 1) * body.element_count / count)});
-  }
-  return pieces;
-}
 
 /// Constraints of one piece: their numbers, kBatch a batch.
 struct PackedPiece {
@@ -85,8 +35,8 @@ static_assert(4 * kBlockRows <= std::numeric_limits<std::uint16_t>::max());
 class BlockMaker {
  public:
   explicit BlockMaker(const Model& model) : model_(model), ordered_(model.mesh.element_count()) {
-    for (const Body& body : model.bodies) order_elements(model, body, ordered_);
-    pieces_ = cut_pieces(model);
+    for (Index b = 0; b < std::ssize(model.bodies); ++b)
+      for (const BodyPart& part : cut_body(model, model.bodies[b], ordered_)) cut_part(b, part);
     piece_of_.resize(ordered_.size());
     parallel_for(std::ssize(pieces_), 16, [&](std::int64_t p) {
       for (Index i = pieces_[p].first; i < pieces_[p].last; ++i) piece_of_[ordered_[i]] = static_cast<Index>(p);
@@ -94,18 +44,23 @@ class BlockMaker {
   }
 
   MaterialBlocks make() {
-    std::vector<std::vector<Index>> conflicts(pieces_.size());
     packed_.resize(pieces_.size());
-    parallel_for(std::ssize(pieces_), 4, [&](std::int64_t p) {
-      packed_[p] = pack(static_cast<Index>(p));
-      conflicts[p] = list_conflicts(static_cast<Index>(p), packed_[p].vertices);
-    });
-    lay_out(colour_blocks(conflicts));
+    parallel_for(std::ssize(pieces_), 4, [&](std::int64_t p) { packed_[p] = pack(static_cast<Index>(p)); });
+    lay_out();
     parallel_for(std::ssize(order_), 4, [&](std::int64_t block) { fill(static_cast<Index>(block)); });
     return std::move(result_);
   }
 
  private:
+  void cut_part(Index body, const BodyPart& part) {
+    const ElementRange run = {part.first, part.last};
+    const Index count = std::max((run.size() + kBlockElements / 2) / kBlockElements, 1);
+    const auto before = static_cast<Index>(pieces_.size());
+    for (Index i = 0; i < count; ++i) pieces_.push_back({body, run.part(i, count).first, run.part(i, count).last});
+    if (part.colour >= std::ssize(parts_)) parts_.resize(part.colour + 1);
+    parts_[part.colour].push_back({before, static_cast<Index>(pieces_.size())});
+  }
+
   const VertexTuple<4>& element(Index place) const { return model_.mesh.elements()[ordered_[place]]; }
 
   /// Ascending.
@@ -121,15 +76,6 @@ class BlockMaker {
     std::sort(items.begin(), items.end());
     items.erase(std::unique(items.begin(), items.end()), items.end());
     return items;
-  }
-
-  /// Pieces that share a vertex with this one.
-  std::vector<Index> list_conflicts(Index own, const std::vector<Index>& vertices) const {
-    std::vector<Index> others;
-    for (const Index v : vertices)
-      for (const Index e : model_.mesh.vertex_elements(v))
-        if (piece_of_[e] != own) others.push_back(piece_of_[e]);
-    return sorted(std::move(others));
   }
 
   PackedPiece pack(Index own) const {
@@ -171,14 +117,18 @@ class BlockMaker {
   }
 
   /// Decides where each block's batches go.
-  void lay_out(const std::vector<Index>& colours) {
-    order_.resize(pieces_.size());
-    std::iota(order_.begin(), order_.end(), 0);
-    std::stable_sort(order_.begin(), order_.end(), [&](Index a, Index b) { return colours[a] < colours[b]; });
+  void lay_out() {
+    for (const std::vector<ElementRange>& colour : parts_) {
+      result_.colour_first.push_back(static_cast<Index>(result_.part_first.size()));
+      for (const ElementRange& part : colour) {
+        result_.part_first.push_back(static_cast<Index>(order_.size()));
+        for (Index piece = part.first; piece < part.last; ++piece) order_.push_back(piece);
+      }
+    }
+    result_.colour_first.push_back(static_cast<Index>(result_.part_first.size()));
+    result_.part_first.push_back(static_cast<Index>(order_.size()));
     Index vertices = 0, elements = 0, edges = 0;
     for (const Index piece : order_) {
-      while (std::ssize(result_.colour_first) <= colours[piece])
-        result_.colour_first.push_back(static_cast<Index>(result_.blocks.size()));
       const PackedPiece& packed = packed_[piece];
       const auto element_batches = static_cast<Index>(packed.elements.size() / kBatch);
       const auto edge_batches = static_cast<Index>(packed.edges.size() / kBatch);
@@ -191,7 +141,6 @@ class BlockMaker {
       result_.constraint_count += std::int64_t{springs ? 1 : 2} * (pieces_[piece].last - pieces_[piece].first) +
                                   std::ssize(packed.edge_vertices);
     }
-    result_.colour_first.push_back(static_cast<Index>(result_.blocks.size()));
     result_.vertices.resize(vertices);
     result_.elements.resize(elements);
     result_.edges.resize(edges);
@@ -238,9 +187,10 @@ class BlockMaker {
   const Vec3& rest(Index v) const { return model_.rest_positions[v]; }
 
   const Model& model_;
-  std::vector<Index> ordered_;   ///< elements
-  std::vector<Piece> pieces_;    ///< ranges of them
-  std::vector<Index> piece_of_;  ///< (n_elements)
+  std::vector<Index> ordered_;                    ///< elements
+  std::vector<Piece> pieces_;                     ///< ranges of them
+  std::vector<std::vector<ElementRange>> parts_;  ///< by colour: ranges of pieces
+  std::vector<Index> piece_of_;                   ///< (n_elements)
   std::vector<PackedPiece> packed_;
   std::vector<Index> order_;  ///< the piece of each block
   MaterialBlocks result_;

@@ -43,35 +43,60 @@ struct MaterialBlock {
   Index first_edge_batch, last_edge_batch;
 };
 
-/// All constraints of a model's material, in the order in which Gauss-Seidel solves them: colour by colour, block by
-/// block, batch by batch. Blocks of one colour share no vertex, so that threads can solve them at the same time.
+/// All constraints of a model's material, in the order in which Gauss-Seidel solves them: colour by colour, part by
+/// part, block by block, batch by batch. Parts of one colour share no vertex, so that threads can solve them at the
+/// same time.
 ///
-/// Two levels where a plain colouring of the elements has one: its forty colours would each stream through all
-/// vertices.
+/// A plain colouring of the elements has forty colours, each of which would stream through all vertices, and one of
+/// blocks has ten, each of which has two of a small body; parts need two or four: threads have enough to do before they
+/// wait for one another.
 struct MaterialBlocks {
   std::vector<Index> vertices;  ///< block by block, ascending in each
   std::vector<ElementBatch> elements;
   std::vector<EdgeBatch> edges;
-  std::vector<MaterialBlock> blocks;  ///< by colour
-  std::vector<Index> colour_first;    ///< (n_colours + 1) into `blocks`
+  std::vector<MaterialBlock> blocks;  ///< part by part
+  std::vector<Index> part_first;      ///< (n_parts + 1) into `blocks`; parts by colour
+  std::vector<Index> colour_first;    ///< (n_colours + 1) into `part_first`
   std::int64_t constraint_count = 0;  ///< two a Neo-Hookean element, one a mass-spring element, one a spring
 
   Index colour_count() const { return static_cast<Index>(colour_first.size()) - 1; }
 };
 
-/// Deterministic; parallel but for the choice of colours, which is of the blocks alone.
+/// Deterministic.
 MaterialBlocks make_material_blocks(const Model& model);
 
-/// Elements of a block at most. Fewer would not fill their batches: an inner vertex has 24 elements, all in different
+/// Elements of a block, about. Fewer would not fill their batches: an inner vertex has 24 elements, all in different
 /// ones.
-inline constexpr std::int64_t kBlockElements = 512;
+inline constexpr Index kBlockElements = 512;
 /// Rows of a block at most, those that stand in for missing vertices too.
-inline constexpr std::int64_t kBlockRows = 4 * kBlockElements + 4;
+inline constexpr std::int64_t kBlockRows = 4 * (kBlockElements + kBlockElements / 2) + 4;
 
-/// A colour for each block so that no two that share a vertex have the same, with about as many blocks of each.
-///
-/// @param conflicts  for each block those that it shares a vertex with
-std::vector<Index> colour_blocks(std::span<const std::vector<Index>> conflicts);
+/// Elements that lie side by side in an order, by their places; or blocks likewise.
+struct ElementRange {
+  Index first, last;
+
+  Index size() const { return last - first; }
+  /// One of so many parts as long as each other.
+  ElementRange part(Index number, Index count) const {
+    const auto begin = [&](std::int64_t n) { return first + static_cast<Index>(n * size() / count); };
+    return {begin(number), begin(number + 1)};
+  }
+  /// The number of the part that a place, counted from the first, is in.
+  Index part_of(std::int64_t place, Index count) const {
+    return static_cast<Index>(((place + 1) * count - 1) / size());
+  }
+};
+
+/// Elements of a body that one thread solves; no two parts of one colour share a vertex.
+struct BodyPart {
+  Index first, last;  ///< in an order of all elements
+  Index colour;
+};
+
+/// Orders the elements of a body from `ordered[body.first_element]` on and cuts them into parts: slabs across its
+/// longest side, and where those are few, columns across the second. Each is ordered along a Morton curve. All in the
+/// rest pose.
+std::vector<BodyPart> cut_body(const Model& model, const Body& body, std::vector<Index>& ordered);
 
 /// Fills batches with tuples of vertices so that no two in a batch share one; kNone marks empty places.
 ///

@@ -53,7 +53,7 @@ void MaterialSolver::solve(std::span<VertexRow> vertices, std::span<const Vertex
     for (Index colour = 0; colour < blocks_.colour_count(); ++colour) {
       const Index base = blocks_.colour_first[colour];
       parallel_ranges(blocks_.colour_first[colour + 1] - base, 1, [&](std::int64_t begin, std::int64_t end) {
-        kernel(task, base + static_cast<Index>(begin), base + static_cast<Index>(end));
+        kernel(task, blocks_.part_first[base + begin], blocks_.part_first[base + end]);
       });
     }
   }

@@ -1,6 +1,7 @@
 #include "simulation/material_blocks.h"
 
 #include <algorithm>
+#include <random>
 
 namespace selvage {
 
@@ -15,6 +16,17 @@ void sort_by_key(std::span<const Index> numbers, std::span<const Index> keys, st
   for (std::size_t k = 1; k < counts.size(); ++k) counts[k] += counts[k - 1];
   sorted.resize(numbers.size());
   for (std::size_t i = 0; i < numbers.size(); ++i) sorted[counts[largest - keys[i]]++] = numbers[i];
+}
+
+/// Brings batches into an order by chance, always the same. Busiest vertices first, as they are packed, Gauss-Seidel
+/// leaves a stiff beam in large steps a quarter more energy to lose after three iterations.
+void shuffle_batches(std::vector<Index>& packed) {
+  std::mt19937 chance;
+  for (std::size_t left = packed.size() / kBatch; left > 1; --left) {
+    const std::size_t chosen = chance() % left;
+    std::swap_ranges(packed.begin() + kBatch * chosen, packed.begin() + kBatch * (chosen + 1),
+                     packed.begin() + kBatch * (left - 1));
+  }
 }
 
 }  // namespace
@@ -52,6 +64,7 @@ std::vector<Index> pack_batches(std::span<const std::array<Index, K>> tuples, In
       }
     }
   }
+  shuffle_batches(packed);
   return packed;
 }
 

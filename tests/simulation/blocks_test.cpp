@@ -1,5 +1,6 @@
 #include "bodies.h"
 #include "simulation/material_blocks.h"
+#include "simulation/shape_energy.h"
 
 #include <gtest/gtest.h>
 
@@ -12,10 +13,24 @@ namespace {
 
 using namespace bodies;
 
+/// A box with one element more, as long as all of it: so few parts touch only the next.
+MeshFile make_strapped_box() {
+  MeshFile box = make_box({2, 1, 1}, 0.1);
+  const Vec3 ends[] = {box.positions.front(), box.positions.back()};
+  const auto last = static_cast<Index>(box.positions.size() - 1);
+  box.positions.push_back(ends[0] + Vec3(1, 0, -1));
+  box.positions.push_back(ends[0] + Vec3(1, 1, -1));
+  box.tetrahedra.push_back({0, last, last + 1, last + 2});
+  if (element_volume(box.tetrahedra.back(), box.positions) < 0)
+    std::swap(box.tetrahedra.back()[0], box.tetrahedra.back()[1]);
+  return box;
+}
+
 std::vector<Model> models() {
   std::vector<Model> models;
   models.push_back(make(make_box({1, 1, 1}, 0.08), neo_hookean(1e5)));
   models.push_back(make(make_ball(0.5, 0.1), springs()));
+  models.push_back(make(make_strapped_box(), neo_hookean(1e5)));
   const MeshFile octopus = make_octopus(1, 0.065, 1);
   models.push_back(make(std::vector<MeshFile>{octopus, make_box({1, 0.1, 0.1}, 0.1), octopus}, springs()));
   return models;
@@ -86,15 +101,17 @@ TEST(Blocks, HoldEveryElementAndEdgeOnce) {
   }
 }
 
-TEST(Blocks, OfOneColourShareNoVertex) {
+TEST(Blocks, OfOtherPartsOfTheirColourShareNoVertex) {
   for (const Model& model : models()) {
     const MaterialBlocks blocks = make_material_blocks(model);
-    EXPECT_EQ(blocks.colour_first.back(), std::ssize(blocks.blocks));
+    EXPECT_EQ(blocks.part_first.back(), std::ssize(blocks.blocks));
+    EXPECT_EQ(blocks.colour_first.back() + 1, std::ssize(blocks.part_first));
     for (Index colour = 0; colour < blocks.colour_count(); ++colour) {
-      std::set<Index> of_colour;
-      for (Index b = blocks.colour_first[colour]; b < blocks.colour_first[colour + 1]; ++b)
-        for (Index i = blocks.blocks[b].first_vertex; i < blocks.blocks[b].last_vertex; ++i)
-          ASSERT_TRUE(of_colour.insert(blocks.vertices[i]).second);
+      std::map<Index, Index> part_of;
+      for (Index part = blocks.colour_first[colour]; part < blocks.colour_first[colour + 1]; ++part)
+        for (Index b = blocks.part_first[part]; b < blocks.part_first[part + 1]; ++b)
+          for (Index i = blocks.blocks[b].first_vertex; i < blocks.blocks[b].last_vertex; ++i)
+            ASSERT_EQ(part_of.emplace(blocks.vertices[i], part).first->second, part);
     }
   }
 }
@@ -148,32 +165,42 @@ TEST(Blocks, PackAStarIntoOneBatchEach) {
 }
 
 TEST(Blocks, HaveColoursOfLikeSize) {
-  const Model model = make(make_box({1, 1, 1}, 0.025), neo_hookean(1e5));
-  const MaterialBlocks blocks = make_material_blocks(model);
-  const double mean = static_cast<double>(blocks.blocks.size()) / blocks.colour_count();
-  EXPECT_LT(blocks.colour_count(), 30);
-  for (Index colour = 0; colour < blocks.colour_count(); ++colour) {
-    const double size = blocks.colour_first[colour + 1] - blocks.colour_first[colour];
-    EXPECT_GT(size, 0.5 * mean);
-    EXPECT_LT(size, 1.5 * mean);
+  MeshFile bent = make_box({1, 1, 1}, 0.04);
+  for (Vec3& p : bent.positions) p[1] += p[0] * p[0];
+  for (const MeshFile& mesh :
+       {make_box({1, 1, 1}, 0.08), bent, make_box({3, 0.1, 0.1}, 0.02), make_octopus(1, 0.05, 1)}) {
+    const MaterialBlocks blocks = make_material_blocks(make(mesh, neo_hookean(1e5)));
+    const Index per_colour = blocks.colour_first[1];
+    EXPECT_EQ(per_colour % 2, 0);
+    EXPECT_TRUE(blocks.colour_count() == 2 || blocks.colour_count() == 4);
+    const auto blocks_of = [&](Index colour) {
+      return blocks.part_first[blocks.colour_first[colour + 1]] - blocks.part_first[blocks.colour_first[colour]];
+    };
+    for (Index colour = 0; colour < blocks.colour_count(); ++colour) {
+      EXPECT_EQ(blocks.colour_first[colour + 1] - blocks.colour_first[colour], per_colour);
+      EXPECT_NEAR(blocks_of(colour), blocks_of(0), per_colour);
+    }
   }
 }
 
-TEST(Blocks, GiveStarsAndChainsTheirColours) {
-  // A star: its middle has one colour, all others share another but for balance; a chain needs two.
-  std::vector<std::vector<Index>> star(9), chain(9);
-  for (Index i = 1; i < 9; ++i) {
-    star[0].push_back(i);
-    star[i].push_back(0);
-    chain[i - 1].push_back(i);
-    chain[i].push_back(i - 1);
-  }
-  for (const auto& graph : {star, chain}) {
-    const std::vector<Index> colours = colour_blocks(graph);
-    EXPECT_EQ(*std::max_element(colours.begin(), colours.end()), 1);
-    for (std::size_t i = 0; i < graph.size(); ++i)
-      for (const Index other : graph[i]) EXPECT_NE(colours[i], colours[other]);
-  }
+TEST(Blocks, OfASmallBodyAreOne) {
+  const MaterialBlocks blocks = make_material_blocks(make(make_box({1, 1, 1}, 0.25), neo_hookean(1e5)));
+  EXPECT_EQ(blocks.blocks.size(), 1);
+  EXPECT_EQ(blocks.part_first.size(), 2);
+}
+
+TEST(ElementRanges, KnowWhichPartAPlaceIsIn) {
+  for (const Index size : {1, 7, 64, 1000})
+    for (const Index count : {1, 2, 3, 7}) {
+      Index end = 5;
+      for (Index part = 0; part < count; ++part) {
+        const ElementRange run = ElementRange{5, 5 + size}.part(part, count);
+        EXPECT_EQ(run.first, end);
+        for (Index i = run.first; i < run.last; ++i) EXPECT_EQ((ElementRange{5, 5 + size}.part_of(i - 5, count)), part);
+        end = run.last;
+      }
+      EXPECT_EQ(end, 5 + size);
+    }
 }
 
 }  // namespace
