@@ -80,8 +80,11 @@ void GroupSearch<D>::collect_faces() {
 template <int D>
 void GroupSearch<D>::repeat_last_face() {
   faces_.reserve(kWidth);
-  std::fill_n(faces_.items.begin() + faces_.count, kWidth, faces_.items[faces_.count - 1]);
-  std::fill_n(faces_.lanes.begin() + faces_.count, kWidth, faces_.lanes[faces_.count - 1]);
+  const std::size_t last = faces_.count - 1;
+  for (std::size_t i = 1; i <= kWidth; ++i) {
+    faces_.items[last + i] = faces_.items[last];
+    faces_.lanes[last + i] = faces_.lanes[last];
+  }
 }
 
 /// Mostly distances alone leave few faces, of which more is to be asked.

@@ -112,7 +112,10 @@ SplitPlane best_plane(const SplitBins& bins, float measure_scale, bool flat) {
   Sides sides;
   sum_counts(bins, sides);
   measure_sides(bins, measure_scale, flat, sides);
-  const auto leaf_nodes = [](Index count) { return static_cast<float>((count + 7) / 8); };
+  const auto leaf_nodes = [](Index count) {
+    const Index nodes = (count + 7) / 8;
+    return static_cast<float>(nodes);
+  };
   float costs[3][kBins];
   for (int axis = 0; axis < 3; ++axis)
     for (int i = 0; i < kBins; ++i) {
