@@ -19,6 +19,10 @@ constexpr std::int64_t kStarGrain = 256;
 constexpr std::size_t kMostTriangles = 24;
 /// A triangle with a smaller sine of an angle has no star measured: how far it is from others would be known too badly.
 constexpr double kLeastSine = 1e-3;
+/// Sizes of a star in metres between which squares, and products of two of them, keep their digits.
+constexpr double kLeastSize = 1e-60, kMostSize = 1e60;
+/// Axes that are less orthonormal than this would change distances by more than the slack below.
+constexpr double kOrthonormal = 1e-8;
 /// Part of a star's size that a distance may be wrong by, and more: it is computed in doubles, where sines are at least
 /// kLeastSine and edges may be nearly parallel.
 constexpr double kSlack = 1e-6;
@@ -30,7 +34,8 @@ constexpr double kCalmSteps = 8;
 
 using Frame = Eigen::Matrix3d;
 
-/// Axes that turn with a triangle of the star, in columns; orthonormal up to rounding. Which ones does not matter.
+/// Axes that turn with a triangle of the star, in columns; orthonormal, and nothing where the triangle is so thin that
+/// they would not be. Which ones does not matter.
 std::optional<Frame> frame_of(const VertexTuple<3>& triangle, Index vertex, std::span<const Vec3> positions) {
   const int k = triangle[0] == vertex ? 0 : triangle[1] == vertex ? 1 : 2;
   const Vec3 along = positions[triangle[(k + 1) % 3]] - positions[vertex];
@@ -41,6 +46,7 @@ std::optional<Frame> frame_of(const VertexTuple<3>& triangle, Index vertex, std:
   frame.col(0) = along / length;
   frame.col(1) = across / area;
   frame.col(2) = frame.col(0).cross(frame.col(1));
+  if (!((frame.transpose() * frame - Frame::Identity()).cwiseAbs().maxCoeff() < kOrthonormal)) return std::nullopt;
   return frame;
 }
 
@@ -85,25 +91,26 @@ double StillStars::separation(Index vertex, std::span<const Vec3> positions) con
   const auto triangles = mesh_.vertex_triangles(vertex);
   const auto others = around(vertex);
   if (triangles.size() > kMostTriangles) return 0;
-  const Vec3& middle = positions[vertex];
+  // As seen from the middle: differences of doubles that are near each other lose nothing, wherever the star lies.
+  const auto place = [&](Index w) -> Vec3 { return positions[w] - positions[vertex]; };
   double size = 0, least = std::numeric_limits<double>::infinity();
-  for (const Index w : others) size = std::max(size, (positions[w] - middle).norm());
+  for (const Index w : others) size = std::max(size, place(w).norm());
+  if (!(size > kLeastSize && size < kMostSize)) return 0;
   for (const Index t : triangles)
     if (!is_well_shaped(mesh_.triangles()[t], positions)) return 0;
   for (const Index t : triangles) {
-    const auto& [a, b, c] = mesh_.triangles()[t];
     const auto& rim = opposite(mesh_.triangles()[t], vertex);
-    const std::array<Vec3, 2> edge = {positions[rim[0]], positions[rim[1]]};
+    const std::array<Vec3, 2> edge = {place(rim[0]), place(rim[1])};
     for (const Index w : others) {
-      if (contains(mesh_.triangles()[t], w)) continue;
-      const Vec3 nearest = closest_point_on_triangle(positions[w], positions[a], positions[b], positions[c]).point;
-      least = std::min(least, (nearest - positions[w]).squaredNorm());
-      least = std::min(least, squared_distance(edge, std::array<Vec3, 2>{middle, positions[w]}));
+      if (w == rim[0] || w == rim[1]) continue;
+      const Vec3 apex = place(w), nearest = closest_point_on_triangle(apex, Vec3::Zero(), edge[0], edge[1]).point;
+      least = std::min(least, (nearest - apex).squaredNorm());
+      least = std::min(least, squared_distance(edge, std::array<Vec3, 2>{Vec3::Zero(), apex}));
     }
     for (const Index u : triangles) {
       const auto& other = opposite(mesh_.triangles()[u], vertex);
       if (u <= t || rim[0] == other[0] || rim[0] == other[1] || rim[1] == other[0] || rim[1] == other[1]) continue;
-      least = std::min(least, squared_distance(edge, std::array<Vec3, 2>{positions[other[0]], positions[other[1]]}));
+      least = std::min(least, squared_distance(edge, std::array<Vec3, 2>{place(other[0]), place(other[1])}));
     }
   }
   return std::max(0.0, std::sqrt(least) - kSlack * size);

@@ -184,6 +184,34 @@ TEST(StillStars, AreTheSameForAnyNumberOfThreads) {
   EXPECT_GT(open, 0);
 }
 
+// A triangle may collapse within the reach of its star. Axes that turn with it mean nothing then.
+TEST(StillStars, AreNotFooledByAThinTriangle) {
+  const TriangleMesh mesh(4, {{0, 1, 2}, {0, 2, 3}});
+  Random random(76);
+  for (std::int64_t n = 0; n < scaled(400); ++n) {
+    const double turn = random.within(-3, 3), tilt = random.within(-3, 3), far = n % 2 == 0 ? 0 : 0x1p20;
+    const auto placed = [&](double height, const Vec3& tip) {
+      Positions positions = {{0, 0, 0}, {10, height, 0}, {1, 0, 0}, tip};
+      for (Vec3& x : positions) {
+        x = Vec3(x[0], std::cos(tilt) * x[1] - std::sin(tilt) * x[2], std::sin(tilt) * x[1] + std::cos(tilt) * x[2]);
+        x = Vec3(std::cos(turn) * x[0] - std::sin(turn) * x[1], std::sin(turn) * x[0] + std::cos(turn) * x[1], x[2]);
+        x += Vec3(far, -far, far);
+      }
+      return positions;
+    };
+    const Vec3 tip(0.5, -1, 0.1);
+    const double thin = std::pow(10, random.within(-18, -6));
+    const Positions wide = placed(0.2, tip), start = placed(thin, tip), end = placed(-thin, Vec3(0.5, 0, -0.1));
+    ContinuousCollisionFinder finder(mesh, wide, wide);
+    finder.update(wide, wide);
+    ASSERT_EQ(finder.find_pairs(), pairs_by_hierarchy(mesh, wide, wide)) << n;
+    finder.update(start, start);
+    ASSERT_EQ(finder.find_pairs(), pairs_by_hierarchy(mesh, start, start)) << n;
+    finder.update(start, end);
+    ASSERT_EQ(finder.find_pairs(), pairs_by_hierarchy(mesh, start, end)) << n;
+  }
+}
+
 // Two wings that shut like a book, calmly at first.
 TEST(StillStars, OpenBeforeAFoldShuts) {
   const TriangleMesh mesh(4, {{0, 1, 2}, {1, 0, 3}});
