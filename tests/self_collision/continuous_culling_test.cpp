@@ -70,6 +70,16 @@ TEST_P(ContinuousCullingOf, ChangesNoAnswer) {
   }
 }
 
+TEST(ContinuousCulling, ChangesNoAnswerOnCombs) {
+  for (const double lean : {0.0, 0.5, 1.0}) {
+    const Surface start = surfaces::comb(lean);
+    const Positions end = surfaces::comb(lean + 0.4).positions;
+    const ContinuousPairs pairs = pairs_by(CullingMethod::kBvh, start, end);
+    EXPECT_EQ(pairs.vertex_face.empty() && pairs.edge_edge.empty(), lean == 0) << lean;
+    ASSERT_NO_FATAL_FAILURE(expect_all_agree(start, end)) << lean;
+  }
+}
+
 // Large enough that there is something to clear; every method must have cleared its share in all.
 TEST(ContinuousCulling, ChangesNoAnswerOnWavedSheets) {
   Random random(32);

@@ -52,6 +52,26 @@ Surface crossed_rectangles() {
   return together(along, across);
 }
 
+Surface comb(double lean) {
+  constexpr Index kColumns = 33, kRows = 20, kSpine = 4, kTooth = 2;  // teeth two cells wide, two apart
+  Surface surface;
+  for (Index row = 0; row <= kRows; ++row)
+    for (Index column = 0; column < kColumns; ++column) {
+      const bool leans = column / (2 * kTooth) % 2 == 0;
+      const double height = std::max<Index>(0, row - kSpine), part = height / (kRows - kSpine);
+      const double x = column + (leans ? 2 * kTooth * lean * part : 0);
+      surface.positions.emplace_back(x, row, leans ? 0.05 * (height - 0.7 * (kRows - kSpine)) * part : 0);
+    }
+  for (Index row = 0; row < kRows; ++row)
+    for (Index column = 0; column + 1 < kColumns; ++column) {
+      if (row >= kSpine && column % (2 * kTooth) >= kTooth) continue;
+      const Index a = row * kColumns + column, b = a + 1, c = a + kColumns, d = c + 1;
+      surface.triangles.push_back({a, b, d});
+      surface.triangles.push_back({a, d, c});
+    }
+  return surface;
+}
+
 Surface overwound_sector(double turn) {
   constexpr int kSteps = 61, kRings = 8;
   Surface surface;

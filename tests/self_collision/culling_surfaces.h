@@ -18,6 +18,11 @@ Surface crossed_rectangles();
 /// in the overlap; turned about z.
 Surface overwound_sector(double turn);
 
+/// A comb of eight teeth whose contour, whatever quarter of it is taken, is several runs: those of every second tooth
+/// lean over the next ones, `lean` spaces far, and are lifted so that the two pass through each other where they
+/// overlap.
+Surface comb(double lean);
+
 /// A square and a smaller one, both cut along a slit in the middle and joined crosswise there: connected and manifold,
 /// each vertex with one fan, with two contours that are simple, do not meet and are nested.
 Surface crosswise_squares();

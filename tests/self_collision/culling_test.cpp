@@ -60,6 +60,14 @@ TEST_P(CullingOf, ChangesNoAnswer) {
   }
 }
 
+TEST(Culling, ChangesNoAnswerOnCombs) {
+  for (const double lean : {0.0, 0.3, 0.8, 1.0, 1.4}) {
+    const Surface surface = surfaces::comb(lean);
+    EXPECT_EQ(pairs_by(CullingMethod::kBvh, surface).empty(), lean < 0.5) << lean;
+    ASSERT_NO_FATAL_FAILURE(expect_all_agree(surface)) << lean;
+  }
+}
+
 TEST(Culling, ChangesNoAnswerOnWavedSheets) {
   Random random(12);
   SelfCollisionCounters counters[std::size(kAccurate)];
