@@ -53,9 +53,16 @@ ClosestDouble<D> closest_in_doubles(const std::vector<Vec<D>>& positions, const 
     if (area > 0 && n.dot(v[0].cross(v[1])) >= 0 && n.dot(v[1].cross(v[2])) >= 0 && n.dot(v[2].cross(v[0])) >= 0) {
       result.offset = n * (n.dot(v[0]) / area);
     } else {
+      std::array<Vec3, 3> on_edges{result.offset};
       for (int i = 1; i < 3; ++i) {
-        const Vec3 other = closest_on_edge<3>(v[i], v[(i + 1) % 3]);
-        if (other.squaredNorm() < result.offset.squaredNorm()) result.offset = other;
+        on_edges[i] = closest_on_edge<3>(v[i], v[(i + 1) % 3]);
+        if (on_edges[i].squaredNorm() < result.offset.squaredNorm()) result.offset = on_edges[i];
+      }
+      // Squares hide which of two points is the nearer when both lie at a vertex, one at it and one 1e-9 beside it.
+      const double nearest = result.offset.squaredNorm();
+      for (const Vec3& other : on_edges) {
+        const bool as_near = other.squaredNorm() - nearest <= 1e-14 * result.size * result.size;
+        if (as_near && (other - result.offset).norm() > 1e-14 * result.size) result.trusted = false;
       }
     }
   }

@@ -2,6 +2,7 @@
 #include "boundary_path/oracle.h"
 
 #include "boundary_path/exact_integers.h"
+#include "boundary_path/families.h"
 #include "boundary_path/figures.h"
 
 #include <gtest/gtest.h>
@@ -172,6 +173,18 @@ TEST(OracleByHand, FiguresOfThePaper) {
     EXPECT_TRUE(answer.found) << figure.name;
     EXPECT_EQ(answer.distance, figure.distance) << figure.name;
   }
+}
+
+// The closest point lies 5e-10 from a vertex: by their squared lengths doubles cannot tell the two apart, and the line
+// to the vertex misses the way.
+TEST(OracleByHand, ClosestPointBesideAVertex) {
+  for (const auto& family : families::solid_families()) {
+    if (family.name != "many_inverted_exact") continue;
+    const auto answer = ask<3>(family.mesh, {0.999999999620699, 1.000000000438554, 2.4697771971842286}, 177);
+    EXPECT_EQ(answer.face, 102);
+    return;
+  }
+  FAIL() << "no such family";
 }
 
 TEST(OracleByHand, FacesAreListedByOwnerAndNumber) {
