@@ -8,6 +8,7 @@
 #include "selvage/core/error.h"
 #include "selvage/core/isa.h"
 #include "selvage/core/parallel.h"
+#include "selvage/core/simd.h"
 
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
@@ -163,14 +164,29 @@ std::vector<Index> BoundaryPathFinder<D>::State::order_in_groups(std::span<const
     std::iota(order.begin(), order.end(), 0);
     return order;
   }
-  std::vector<std::array<float, 6>> places(queries.size());
-  for (std::size_t k = 0; k < queries.size(); ++k) {
-    places[k] = {};
-    const Vec<D> p = to_scene(queries[k].point) - pose.frame().origin;
-    const Index hint = topology.hints[queries[k].element];
-    for (int i = 0; i < D; ++i) {
-      places[k][i] = static_cast<float>(p[i]);
-      if (hint != kNone) places[k][3 + i] = pose.rounded_positions()[mesh.boundary_faces()[hint][0]][i];
+  // What is needed of a query lies behind what is needed before, far apart: fetched for some queries at a time.
+  constexpr std::size_t kAtOnce = 64;
+  std::vector<PlacePair> places(queries.size());
+  for (std::size_t first = 0; first < queries.size(); first += kAtOnce) {
+    const auto some = queries.subspan(first, std::min(kAtOnce, queries.size() - first));
+    Index near[kAtOnce];
+    for (const PathQuery<D>& query : some) prefetch(topology.hints.data() + query.element);
+    for (std::size_t k = 0; k < some.size(); ++k) {
+      near[k] = topology.hints[some[k].element];
+      prefetch(topology.face_stars.data() + std::max(near[k], 0));
+    }
+    for (std::size_t k = 0; k < some.size(); ++k) {
+      if (near[k] == kNone) continue;
+      near[k] = topology.face_stars[near[k]].vertices[0];
+      prefetch(pose.rounded_positions().data() + near[k]);
+    }
+    for (std::size_t k = 0; k < some.size(); ++k) {
+      PlacePair& place = places[first + k];
+      const Vec<D> p = to_scene(some[k].point) - pose.frame().origin;
+      for (int i = 0; i < D; ++i) {
+        place[0][i] = static_cast<float>(p[i]);
+        if (near[k] != kNone) place[1][i] = pose.rounded_positions()[near[k]][i];
+      }
     }
   }
   return order_along_curve(places);

@@ -1,6 +1,7 @@
 #include "boundary_path/group_order.h"
 
 #include "selvage/core/parallel.h"
+#include "selvage/core/simd.h"
 
 #include <algorithm>
 #include <cmath>
@@ -54,52 +55,108 @@ void split_in_halves(std::span<NumberedPlace> items) {
 /// Bits of a coordinate in a place along the curve, and what lies between two of them.
 constexpr int kBits = 10, kAxes = 6;
 
-/// Each number's bits, kAxes apart.
-constexpr std::array<std::uint64_t, 1 << kBits> kSpread = [] {
-  std::array<std::uint64_t, 1 << kBits> spread{};
-  for (std::uint64_t i = 0; i < spread.size(); ++i)
-    for (int bit = 0; bit < kBits; ++bit) spread[i] |= (i >> bit & 1) << (kAxes * bit);
+/// The bits of each number of half the length, kAxes apart.
+constexpr std::array<std::uint32_t, 1 << kBits / 2> kSpread = [] {
+  std::array<std::uint32_t, 1 << kBits / 2> spread{};
+  for (std::uint32_t i = 0; i < spread.size(); ++i)
+    for (int bit = 0; bit < kBits / 2; ++bit) spread[i] |= (i >> bit & 1) << (kAxes * bit);
   return spread;
 }();
+
+/// Items that one task sorts; so few are parted well enough by the leading half of the bits.
+constexpr std::int64_t kChunk = 1 << 15;
+
+/// Digit by digit, the last first. Stable: items at one place stay in their order.
+/// @param items  each with half the bits of its place along the curve above its number
+template <int kDigitBits>
+void sort_few(std::vector<std::uint64_t>& items) {
+  constexpr int kDigits = kBits * kAxes / 2 / kDigitBits, kSize = 1 << kDigitBits;
+  std::array<std::array<Index, kSize>, kDigits> places{};  ///< where items with a digit go
+  const auto digit = [](std::uint64_t item, int k) { return item >> (32 + k * kDigitBits) & (kSize - 1); };
+  for (const std::uint64_t item : items)
+    for (int k = 0; k < kDigits; ++k) ++places[k][digit(item, k)];
+  std::vector<std::uint64_t> sorted(items.size());
+  for (int k = 0; k < kDigits; ++k) {
+    Index before = 0;
+    for (Index& place : places[k]) before += std::exchange(place, before);
+    for (const std::uint64_t item : items) sorted[places[k][digit(item, k)]++] = item;
+    items.swap(sorted);
+  }
+}
 
 struct CurvePlace {
   std::uint64_t along;  ///< Morton's curve
   Index number;
 };
 
-/// Digit by digit, the last first. Stable: items at one place stay in their order, for any number of threads. The items
-/// of one chunk are parted well enough by the leading half of the bits; few have fewer digits to count.
-void sort_along_curve(std::vector<CurvePlace>& items) {
-  constexpr std::int64_t kChunk = 1 << 15, kFew = 4096;
+/// The same for any number of threads.
+void sort_many(std::vector<CurvePlace>& items) {
+  constexpr int kDigitBits = 10, kDigits = 1 << kDigitBits;
   const std::int64_t count = std::ssize(items), chunks = (count + kChunk - 1) / kChunk;
-  const auto for_each_chunk = [&](auto&& body) {
-    if (chunks == 1)
-      body(0);
-    else
-      parallel_for(chunks, 1, body);
-  };
-  const int digit_bits = count < kFew ? 6 : 10, digits = 1 << digit_bits;
   std::vector<CurvePlace> sorted(items.size());
-  std::vector<Index> places(chunks * digits);  ///< where each chunk's items with a digit go
+  std::vector<Index> places(chunks * kDigits);  ///< where each chunk's items with a digit go
   const auto visit = [&](std::int64_t chunk, int shift, auto&& take) {
     for (std::int64_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, count); ++i)
-      take(items[i], places[chunk * digits + static_cast<std::int64_t>(items[i].along >> shift & (digits - 1u))]);
+      take(items[i], places[chunk * kDigits + static_cast<std::int64_t>(items[i].along >> shift & (kDigits - 1u))]);
   };
-  for (int shift = chunks == 1 ? kBits * kAxes / 2 : 0; shift < kBits * kAxes; shift += digit_bits) {
-    for_each_chunk([&](std::int64_t chunk) {
-      std::fill_n(places.begin() + chunk * digits, digits, 0);
+  for (int shift = 0; shift < kBits * kAxes; shift += kDigitBits) {
+    parallel_for(chunks, 1, [&](std::int64_t chunk) {
+      std::fill_n(places.begin() + chunk * kDigits, kDigits, 0);
       visit(chunk, shift, [](const CurvePlace&, Index& number) { ++number; });
     });
     Index before = 0;
-    for (int digit = 0; digit < digits; ++digit)
+    for (int digit = 0; digit < kDigits; ++digit)
       for (std::int64_t chunk = 0; chunk < chunks; ++chunk)
-        before += std::exchange(places[chunk * digits + digit], before);
-    for_each_chunk([&](std::int64_t chunk) {
+        before += std::exchange(places[chunk * kDigits + digit], before);
+    parallel_for(chunks, 1, [&](std::int64_t chunk) {
       visit(chunk, shift, [&](const CurvePlace& item, Index& place) { sorted[place++] = item; });
     });
     items.swap(sorted);
   }
 }
+
+/// The grid through whose cells the curve goes.
+class CurveGrid {
+ public:
+  explicit CurveGrid(std::span<const PlacePair> places) {
+    Float4 upper[2];
+    for (int kind = 0; kind < 2; ++kind) {
+      lower_[kind] = Float4::broadcast(kFar);
+      upper[kind] = Float4::broadcast(-kFar);
+    }
+    for (const PlacePair& x : places)
+      for (int kind = 0; kind < 2; ++kind) {
+        lower_[kind] = min(within(x[kind]), lower_[kind]);
+        upper[kind] = max(within(x[kind]), upper[kind]);
+      }
+    std::array<float, 4> extents;
+    max(upper[0] - lower_[0], upper[1] - lower_[1]).store(extents.data());
+    const float extent = std::max({1e-30f, extents[0], extents[1], extents[2]});
+    scale_ = Float4::broadcast(((1 << kBits) - 1) / extent);
+  }
+
+  /// Half of the bits of a pair's place along the curve: those that lead, or the rest.
+  std::uint32_t along(const PlacePair& x, bool leading) const {
+    std::uint32_t along = 0;
+    for (int kind = 0; kind < 2; ++kind) {
+      std::array<std::int32_t, 4> cell;
+      ((within(x[kind]) - lower_[kind]) * scale_).store_int(cell.data());
+      for (int axis = 0; axis < 3; ++axis)
+        along |= kSpread[leading ? cell[axis] >> kBits / 2 : cell[axis] & ((1 << kBits / 2) - 1)] << (3 * kind + axis);
+    }
+    return along;
+  }
+
+ private:
+  static constexpr float kFar = 1e30f;
+
+  /// Places may be anywhere, at infinity too.
+  static Float4 within(const std::array<float, 4>& x) {
+    return max(min(Float4::load(x.data()), Float4::broadcast(kFar)), Float4::broadcast(-kFar));
+  }
+
+  Float4 lower_[2], scale_;
+};
 
 }  // namespace
 
@@ -110,30 +167,26 @@ void order_in_space(std::span<const std::array<float, 4>> places, std::span<Inde
   for (std::size_t i = 0; i < items.size(); ++i) numbers[i] = items[i].number;
 }
 
-std::vector<Index> order_along_curve(std::span<const std::array<float, 6>> places) {
-  // Places may be anywhere, at infinity too.
-  const auto within = [](float x) { return std::clamp(x, -1e30f, 1e30f); };
-  std::array<float, kAxes> lower, upper;
-  lower.fill(HUGE_VALF);
-  upper.fill(-HUGE_VALF);
-  for (const auto& x : places)
-    for (int axis = 0; axis < kAxes; ++axis) {
-      lower[axis] = std::min(lower[axis], within(x[axis]));
-      upper[axis] = std::max(upper[axis], within(x[axis]));
-    }
-  float extent = 1e-30f;
-  for (int axis = 0; axis < kAxes; ++axis) extent = std::max(extent, upper[axis] - lower[axis]);
-  const float scale = ((1 << kBits) - 1) / extent;
-  std::vector<CurvePlace> items(places.size());
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    std::uint64_t along = 0;
-    for (int axis = 0; axis < kAxes; ++axis)
-      along |= kSpread[static_cast<int>((within(places[i][axis]) - lower[axis]) * scale)] << axis;
-    items[i] = {along, static_cast<Index>(i)};
+std::vector<Index> order_along_curve(std::span<const PlacePair> places) {
+  constexpr std::size_t kFewForLongDigits = 2048;
+  const CurveGrid grid(places);
+  std::vector<Index> numbers(places.size());
+  if (std::ssize(places) > kChunk) {
+    std::vector<CurvePlace> items(places.size());
+    for (std::size_t i = 0; i < items.size(); ++i)
+      items[i] = {std::uint64_t{grid.along(places[i], true)} << kBits * kAxes / 2 | grid.along(places[i], false),
+                  static_cast<Index>(i)};
+    sort_many(items);
+    for (std::size_t i = 0; i < items.size(); ++i) numbers[i] = items[i].number;
+    return numbers;
   }
-  sort_along_curve(items);
-  std::vector<Index> numbers(items.size());
-  for (std::size_t i = 0; i < items.size(); ++i) numbers[i] = items[i].number;
+  std::vector<std::uint64_t> items(places.size());
+  for (std::size_t i = 0; i < items.size(); ++i) items[i] = std::uint64_t{grid.along(places[i], true)} << 32 | i;
+  if (items.size() < kFewForLongDigits)
+    sort_few<6>(items);
+  else
+    sort_few<10>(items);
+  for (std::size_t i = 0; i < items.size(); ++i) numbers[i] = static_cast<Index>(items[i] & 0xffffffffu);
   return numbers;
 }
 

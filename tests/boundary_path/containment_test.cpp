@@ -285,12 +285,12 @@ TEST(OrderInSpace, TakesPointsAtOnePlace) {
 
 TEST(OrderAlongCurve, KeepsTogetherWhatIsNearInBothKinds) {
   constexpr int kSide = 8;
-  std::vector<std::array<float, 6>> places;
+  std::vector<PlacePair> places;
   for (int i = 0; i < 2 * kSide * kSide * kSide; ++i) {
     const int k = i * 331 % (2 * kSide * kSide * kSide);  // each once
     const auto at = [&](int n) { return static_cast<float>(k / n % kSide); };
     const float sheet = k < kSide * kSide * kSide ? 0.0f : 7.0f;  // two that overlap in space
-    places.push_back({at(1), at(kSide), at(kSide * kSide), sheet, 0, 0});
+    places.push_back({{{at(1), at(kSide), at(kSide * kSide), 0}, {sheet, 0, 0, 0}}});
   }
   const std::vector<Index> order = order_along_curve(places);
   std::vector<Index> sorted = order;
@@ -298,17 +298,18 @@ TEST(OrderAlongCurve, KeepsTogetherWhatIsNearInBothKinds) {
   for (Index i = 0; i < std::ssize(sorted); ++i) ASSERT_EQ(sorted[i], i);
   for (std::size_t first = 0; first < order.size(); first += 8)
     for (std::size_t i = first + 1; i < first + 8; ++i)
-      for (int axis = 0; axis < 6; ++axis)
-        EXPECT_LE(std::abs(places[order[i]][axis] - places[order[first]][axis]), 1.0f) << first;
+      for (int kind = 0; kind < 2; ++kind)
+        for (int axis = 0; axis < 3; ++axis)
+          EXPECT_LE(std::abs(places[order[i]][kind][axis] - places[order[first]][kind][axis]), 1.0f) << first;
 }
 
 TEST(OrderAlongCurve, TakesPlacesAnywhere) {
   const float infinity = std::numeric_limits<float>::infinity();
-  const std::vector<std::array<float, 6>> places = {{infinity, 0, 0, 0, 0, 0},
-                                                    {0, -infinity, 0, 0, 0, 0},
-                                                    {1, 2, 3, 4, 5, 6},
-                                                    {1, 2, 3, 4, 5, 6},
-                                                    {3e38f, 0, 0, 0, 0, 0}};
+  const std::vector<PlacePair> places = {{{{infinity, 0, 0, 0}, {0, 0, 0, 0}}},
+                                         {{{0, -infinity, 0, 0}, {0, 0, 0, 0}}},
+                                         {{{1, 2, 3, 0}, {4, 5, 6, 0}}},
+                                         {{{1, 2, 3, 0}, {4, 5, 6, 0}}},
+                                         {{{3e38f, 0, 0, 0}, {0, 0, 0, 0}}}};
   std::vector<Index> order = order_along_curve(places);
   std::sort(order.begin(), order.end());
   EXPECT_EQ(order, (std::vector<Index>{0, 1, 2, 3, 4}));
