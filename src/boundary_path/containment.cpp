@@ -70,8 +70,20 @@ void ContainmentSearch<D>::list_own_elements() {
 
 template <int D>
 std::vector<PointInElement> ContainmentSearch<D>::find_boundary_vertices() const {
-  return find({pose_.positions().data(), pose_.rounded_positions().data(), boundary_order_, own_of_groups_},
-              pose_.positions().size());
+  return sorted(find({pose_.positions().data(), pose_.rounded_positions().data(), boundary_order_, own_of_groups_}),
+                pose_.positions().size());
+}
+
+template <int D>
+std::vector<PointInElement> ContainmentSearch<D>::find_vertices(std::span<const Index> vertices) const {
+  std::vector<Index> order(vertices.begin(), vertices.end());
+  order_in_space(pose_.rounded_positions(), order);
+  const std::vector<const OwnElements*> own(group_count(order.size()), &kNoOwn);
+  auto pairs = find({pose_.positions().data(), pose_.rounded_positions().data(), order, own, true});
+  std::sort(pairs.begin(), pairs.end(), [](PointInElement a, PointInElement b) {
+    return std::pair(a.point, a.element) < std::pair(b.point, b.element);
+  });
+  return pairs;
 }
 
 template <int D>
@@ -86,29 +98,32 @@ std::vector<PointInElement> ContainmentSearch<D>::find_points(std::span<const Ve
   std::iota(order.begin(), order.end(), 0);
   order_in_space(rounded, order);
   const std::vector<const OwnElements*> own(group_count(points.size()), &kNoOwn);
-  return find({points.data(), rounded.data(), order, own}, points.size());
+  return sorted(find({points.data(), rounded.data(), order, own}), points.size());
 }
 
 template <int D>
-std::vector<PointInElement> ContainmentSearch<D>::find(const PointBatch<D>& batch, std::size_t point_count) const {
-  constexpr std::size_t kGroupsAtOnce = 32, kPointsAtOnce = kGroupsAtOnce * kPointGroup;
+std::vector<PointInElement> ContainmentSearch<D>::find(const PointBatch<D>& batch) const {
+  // Few groups one by one, so that there are some for each core.
+  constexpr std::size_t kMostGroups = 32, kPieces = 16;
+  const std::size_t at_once = std::clamp<std::size_t>(batch.own.size() / kPieces, 1, kMostGroups);
   const ContainmentScene<D> scene{pose_.positions().data(), mesh_.elements().data(), pose_.rounded_positions().data(),
                                   pose_.rounding(), elements_.nodes()};
-  const auto share = [](auto all, std::size_t k, std::size_t at_once) {
-    const auto rest = all.subspan(k * at_once);
-    return rest.first(std::min(rest.size(), at_once));
+  const auto share = [](auto all, std::size_t k, std::size_t size) {
+    const auto rest = all.subspan(k * size);
+    return rest.first(std::min(rest.size(), size));
   };
-  std::vector<std::vector<PointInElement>> pieces((batch.own.size() + kGroupsAtOnce - 1) / kGroupsAtOnce);
+  std::vector<std::vector<PointInElement>> pieces((batch.own.size() + at_once - 1) / at_once);
   parallel_for(std::ssize(pieces), 1, [&](std::int64_t k) {
-    const PointBatch<D> piece{batch.points, batch.rounded, share(batch.ids, k, kPointsAtOnce),
-                              share(batch.own, k, kGroupsAtOnce)};
+    const PointBatch<D> piece{batch.points, batch.rounded, share(batch.ids, k, at_once * kPointGroup),
+                              share(batch.own, k, at_once), batch.are_vertices};
     SELVAGE_DISPATCH(find_containing, scene, piece, pieces[k]);
   });
 
   std::vector<PointInElement> pairs;
   for (std::size_t k = 0; k < pieces.size(); ++k)
-    for (const auto& [place, element] : pieces[k]) pairs.push_back({batch.ids[k * kPointsAtOnce + place], element});
-  return sorted(pairs, point_count);
+    for (const auto& [place, element] : pieces[k])
+      pairs.push_back({batch.ids[k * at_once * kPointGroup + place], element});
+  return pairs;
 }
 
 template class ContainmentSearch<2>;

@@ -21,12 +21,15 @@ class ContainmentSearch {
   /// All pairs of a boundary vertex and an element that holds it and is not its own, in order.
   std::vector<PointInElement> find_boundary_vertices() const;
 
+  /// The same of some vertices of any kind, in ascending order of the vertices.
+  std::vector<PointInElement> find_vertices(std::span<const Index> vertices) const;
+
   /// All pairs of one of some points, scaled as the pose, and an element that holds it, in order.
   std::vector<PointInElement> find_points(std::span<const Vec<D>> points) const;
 
  private:
   void list_own_elements();
-  std::vector<PointInElement> find(const PointBatch<D>& batch, std::size_t point_count) const;
+  std::vector<PointInElement> find(const PointBatch<D>& batch) const;
 
   const SimplexMesh<D>& mesh_;
   const Pose<D>& pose_;

@@ -89,11 +89,18 @@ class GroupSearch {
         const PointSides sides = splits.sides(i, group_.position(), pending_[begin + i].points);
         for (unsigned rest = sides.inside | sides.unsure; rest != 0; rest &= rest - 1) {
           const int lane = lowest_lane(rest);
+          if (batch_.are_vertices && is_own(first_ + lane, *elements[i])) continue;
           if ((sides.inside >> lane & 1u) != 0 || is_inside(first_ + lane, *elements[i]))
             append_found(found_, {first_ + lane, pending_[begin + i].element});
         }
       }
     }
+  }
+
+  bool is_own(Index place, const VertexTuple<D + 1>& element) const {
+    bool is_own = false;
+    for (const Index v : element) is_own |= v == batch_.ids[place];
+    return is_own;
   }
 
   [[gnu::noinline]] bool is_inside(Index place, const VertexTuple<D + 1>& element) const {

@@ -42,6 +42,8 @@ struct PointBatch {
   const RoundedPosition* rounded;
   std::span<const Index> ids;
   std::span<const OwnElements* const> own;  ///< for each group by ascending nodes, then kBeyondAllNodes
+  /// Whether points are numbered as vertices, which their own elements do not hold, whether listed in `own` or not.
+  bool are_vertices = false;
 };
 
 /// Grows the list; compiled once, for every x86-64.

@@ -375,6 +375,18 @@ typename BoundaryPathFinder<D>::Located BoundaryPathFinder<D>::locate(std::span<
   return located;
 }
 
+template <int D>
+std::vector<PathQuery<D>> BoundaryPathFinder<D>::locate_vertices(std::span<const Index> vertices) const {
+  for (const Index v : vertices)
+    if (v < 0 || v >= state_->mesh.vertex_count())
+      throw Error(fmt::format("vertex {}", v), "there is no such vertex",
+                  fmt::format("vertices lie in [0, {})", state_->mesh.vertex_count()));
+  std::vector<PathQuery<D>> queries;
+  for (const auto& [vertex, element] : state_->containment.find_vertices(vertices))
+    queries.push_back({state_->from_scene(state_->pose.positions()[vertex]), element, {vertex, kNone}});
+  return queries;
+}
+
 namespace {
 
 /// Primitives of a hierarchy whose boxes meet each of some boxes.

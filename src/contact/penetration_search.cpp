@@ -2,11 +2,13 @@
 
 #include "contact/contact_parts.h"
 #include "contact/edge_part.h"
+#include "contact/star_proof.h"
 #include "selvage/core/parallel.h"
 #include "selvage/geometry/predicates.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -15,6 +17,7 @@ namespace selvage {
 namespace {
 
 constexpr std::int64_t kEdgesAtOnce = 32;
+constexpr std::int64_t kStarsAtOnce = 32;
 
 template <std::size_t N>
 std::array<Vec3, 2> extent_of(const std::array<Index, N>& vertices, std::span<const Vec3> positions) {
@@ -94,8 +97,21 @@ void PenetrationSearch::suspect_defects() {
   std::vector<Extent> defects;
   for (const Index e : paths_.defective_elements()) defects.push_back(extent_of(mesh_.elements()[e], positions_));
   for (const Index face : paths_.find_faces_near(defects).found) suspect(face);
-  for (const Index v : mesh_.boundary_vertices())
-    if (paths_.settled_vertices()[v] == 0) suspect_around(v);
+  const auto boundary = mesh_.boundary_vertices();
+  for (const Index v : find_overlapping_stars({boundary.begin(), boundary.end()})) suspect_around(v);
+}
+
+/// Of some vertices those around which elements may overlap, though all were positive. That a vertex is settled costs
+/// nothing to know; of those that are not, at creases and in hollows, nearly all can be proven element by element.
+std::vector<Index> PenetrationSearch::find_overlapping_stars(std::vector<Index> vertices) const {
+  std::erase_if(vertices, [&](Index v) { return paths_.settled_vertices()[v] != 0; });
+  Flags is_apart(vertices.size(), 0);
+  parallel_for(std::ssize(vertices), kStarsAtOnce,
+               [&](std::int64_t i) { is_apart[i] = is_star_proven_apart(mesh_, positions_, vertices[i]); });
+  std::vector<Index> overlapping;
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    if (is_apart[i] == 0) overlapping.push_back(vertices[i]);
+  return overlapping;
 }
 
 std::vector<Penetration> PenetrationSearch::find_all(PenetrationCounters& counters) {
@@ -158,17 +174,10 @@ bool PenetrationSearch::holds_nothing(Index element) const {
          orientation(corners_of(mesh_.elements()[element], positions_)) < 0;
 }
 
-/// Vertices with each element that holds them and is not their own.
+/// Vertices with each element that holds them and is not their own; ascending.
 std::vector<PointInside> PenetrationSearch::find_vertices(std::span<const Index> vertices) const {
-  std::vector<Vec3> places;
-  for (const Index v : vertices) places.push_back(positions_[v]);
-  const auto located = paths_.locate(places);
   std::vector<PointInside> inside;
-  for (std::size_t i = 0; i < vertices.size(); ++i)
-    for (std::int64_t k = located.first[i]; k < located.first[i + 1]; ++k)
-      if (const Index element = located.queries[k].element;
-          !share_vertex(std::array{vertices[i]}, mesh_.elements()[element]))
-        inside.push_back({vertices[i], element});
+  for (const auto& query : paths_.locate_vertices(vertices)) inside.push_back({query.source[0], query.element});
   return inside;
 }
 
@@ -208,9 +217,10 @@ std::vector<Index> PenetrationSearch::suspected_elements() const {
   Flags is_listed(mesh_.element_count(), 0);
   std::vector<Index> elements;
   for (const Index e : paths_.find_elements_near(extents).found) add_once(is_listed, e, elements);
-  for (Index v = 0; v < mesh_.vertex_count(); ++v)
-    if (paths_.settled_vertices()[v] == 0)
-      for (const Index e : mesh_.vertex_elements(v)) add_once(is_listed, e, elements);
+  std::vector<Index> vertices(mesh_.vertex_count());
+  std::iota(vertices.begin(), vertices.end(), 0);
+  for (const Index v : find_overlapping_stars(std::move(vertices)))
+    for (const Index e : mesh_.vertex_elements(v)) add_once(is_listed, e, elements);
   return elements;
 }
 

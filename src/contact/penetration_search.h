@@ -65,6 +65,7 @@ class PenetrationSearch {
   void list_surface_pieces();
   void suspect_crossings(PenetrationCounters& counters);
   void suspect_defects();
+  std::vector<Index> find_overlapping_stars(std::vector<Index> vertices) const;
   void suspect_around(Index vertex);
   void suspect(Index face);
   std::vector<Index> suspected_elements() const;

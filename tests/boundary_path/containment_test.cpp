@@ -105,6 +105,29 @@ void find_vertices_after_refit(std::size_t number) {
   }
 }
 
+// All of them, every third, and one alone; on the boundary or not.
+template <int D>
+void locate_some_vertices(std::size_t number) {
+  const families::Subject<D> subject(families::all_families<D>()[number]);
+  const std::span<const Vec<D>> x = subject.judge.positions();
+  const BoundaryPathFinder<D> finder(subject.mesh, x);
+  for (const Index stride : {1, 3, subject.mesh.vertex_count()}) {
+    std::vector<Index> asked;
+    std::vector<std::pair<Index, Index>> right, found;
+    for (Index v = 0; v < subject.mesh.vertex_count(); v += stride) {
+      asked.push_back(v);
+      for (Index e = 0; e < subject.mesh.element_count(); ++e)
+        if (!std::ranges::count(subject.mesh.elements()[e], v) && subject.judge.holds(e, x[v])) right.push_back({v, e});
+    }
+    std::reverse(asked.begin(), asked.end());
+    for (const PathQuery<D>& query : finder.locate_vertices(asked)) {
+      found.push_back({query.source[0], query.element});
+      EXPECT_EQ(query.point, x[query.source[0]]);
+    }
+    EXPECT_EQ(found, right) << stride;
+  }
+}
+
 template <int D, std::size_t N>
 std::array<Vec<D>, 2> extent_of(const std::array<Index, N>& vertices, std::span<const Vec<D>> x) {
   std::array<Vec<D>, 2> extent{x[vertices[0]], x[vertices[0]]};
@@ -236,6 +259,12 @@ TEST_P(PlanarContainment, OfVerticesAfterARefit) {
 }
 TEST_P(SolidContainment, OfVerticesAfterARefit) {
   find_vertices_after_refit<3>(GetParam());
+}
+TEST_P(PlanarContainment, OfSomeVertices) {
+  locate_some_vertices<2>(GetParam());
+}
+TEST_P(SolidContainment, OfSomeVertices) {
+  locate_some_vertices<3>(GetParam());
 }
 TEST_P(PlanarContainment, OfBoxesMissesNothingThatMeetsThem) {
   find_what_is_near<2>(GetParam());

@@ -117,6 +117,10 @@ class BoundaryPathFinder {
   };
   Located locate(std::span<const Vec<D>> points) const;
 
+  /// The same for vertices, on the boundary or not, each without its own elements: all pairs ascending by vertex, then
+  /// element, ready for find_paths().
+  std::vector<PathQuery<D>> locate_vertices(std::span<const Index> vertices) const;
+
   /// Elements, or boundary faces, that a box may meet: all that do and a few that lie near it, in a fixed order;
   /// `first` has n_boxes + 1 entries and gives each box's share. Boxes are given by their lower and upper corner.
   /// Parallel.
