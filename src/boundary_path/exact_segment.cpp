@@ -1,7 +1,8 @@
 #include "boundary_path/exact_segment.h"
 
-#include "geometry/double_double.h"
+#include "boundary_path/long_segment.h"
 #include "geometry/exact_integer.h"
+#include "selvage/geometry/predicates.h"
 
 #include <algorithm>
 #include <cmath>
@@ -207,64 +208,12 @@ bool overlaps_in_plane(const SegmentAndFace<3>& s, Stretch stretch) {
   return true;
 }
 
-using Vec3Twice = std::array<DoubleDouble, 3>;
-
-DoubleDouble dot(const Vec3Twice& a, const Vec3Twice& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-Vec3Twice cross(const Vec3Twice& a, const Vec3Twice& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-Vec3Twice minus(const Vec3& a, const Vec3& b) {
-  return {difference(a[0], b[0]), difference(a[1], b[1]), difference(a[2], b[2])};
-}
-double largest(const Vec3Twice& a) {
-  return std::max({std::abs(a[0].high), std::abs(a[1].high), std::abs(a[2].high)});
-}
-
-/// Where polynomials of degree up to 5 in doubles twice as long neither under- nor overflow.
-bool is_moderate(double coordinate) {
-  return coordinate > 0x1p-100 && coordinate < 0x1p100;
-}
-
-/// ExactSegment::side() where doubles twice as long tell it, else 0. With bounds of the coordinates of edges and of
-/// vertices relative to p, a polynomial of them here is off by less than 2^-90 of its powers of these.
-int long_side(const Vec3& p, const TargetSimplex<3>& target, const std::array<Vec3, 2>& points) {
-  constexpr double kCertain = 0x1p-86;
-  const Vec3Twice a = minus(points[0], p), b = minus(points[1], p), v = minus(target.vertices[0], p);
-  Vec3Twice direction = v;
-  double powers = largest(v);
-  int sign = 1;
-  if (!is_moderate(largest(a)) || !is_moderate(largest(b)) || !is_moderate(powers)) return 0;
-  if (target.count > 1) {
-    const Vec3Twice e = minus(target.vertices[1], target.vertices[0]);
-    if (!is_moderate(largest(e))) return 0;
-    if (target.count == 2) {
-      const DoubleDouble squared = dot(e, e), along = dot(v, e);
-      for (int i = 0; i < 3; ++i) direction[i] = v[i] * squared - e[i] * along;
-      powers *= largest(e) * largest(e);
-    } else {
-      const Vec3Twice f = minus(target.vertices[2], target.vertices[0]);
-      if (!is_moderate(largest(f))) return 0;
-      direction = cross(e, f);
-      const double area = largest(e) * largest(f);
-      const DoubleDouble height = dot(direction, v);
-      if (!(std::abs(height.high) > kCertain * area * powers)) return 0;
-      sign = height.high > 0 ? 1 : -1;
-      powers = area;
-    }
-  }
-  const DoubleDouble value = dot(direction, cross(a, b));
-  if (!(std::abs(value.high) > kCertain * powers * largest(a) * largest(b))) return 0;
-  return value.high > 0 ? sign : -sign;
-}
-
 }  // namespace
 
 template <int D>
 int ExactSegment<D>::side(const std::array<Vec<D>, D - 1>& points) const {
   if constexpr (D == 3)
-    if (const int sign = long_side(p_, target_, points); sign != 0) return sign;
+    if (const int sign = twice::side(p_, target_, points); sign != 0) return sign;
   std::array<Vec<D>, 2 * D - 1> all;
   for (int i = 0; i < D; ++i) all[i] = i < target_.count ? target_.vertices[i] : p_;
   for (int i = 0; i < D - 1; ++i) all[D + i] = points[i];
@@ -288,6 +237,20 @@ int ExactSegment<D>::side_of_end(const FacePoints<D>& face) const {
 
 template <int D>
 bool ExactSegment<D>::touches(const FacePoints<D>& face) const {
+  if constexpr (D == 3) {
+    // Mostly the segment clearly crosses the plane or clearly does not, and what is to be decided is a side.
+    const int start = orientation({face[0], face[1], face[2], p_}), end = twice::side_of_end(p_, target_, face);
+    if (start * end > 0) return false;
+    if (start * end < 0) {
+      bool positive = false, negative = false;
+      for (int i = 0; i < 3; ++i) {
+        const int sign = side({face[i], face[(i + 1) % 3]});
+        positive |= sign > 0;
+        negative |= sign < 0;
+      }
+      return !(positive && negative);
+    }
+  }
   const SegmentAndFace<D> s(p_, target_, face);
   const int start = s.start(), end = s.end();
   if (start * end > 0) return false;
@@ -379,58 +342,13 @@ PreciseOffset<D> exact_offset(const Vec<D>& p, const TargetSimplex<D>& target) {
   return result;
 }
 
-/// The same for a triangle or an edge in space where doubles twice as long are enough: a hundred times faster. Let E
-/// bound the coordinates of edges and V those of vertices relative to p. A polynomial of them here has at most 36
-/// terms, each off by less than 2^-97 of its powers of E and V; so one that is above 2^-38 of these powers is known to
-/// 2^-53, and what is below is left to exact arithmetic.
-bool is_clear(const DoubleDouble& value, double powers) {
-  return std::abs(value.high) > 0x1p-38 * powers;
-}
-
-bool find_long_offset(const Vec3& p, const TargetSimplex<3>& target, PreciseOffset<3>& result) {
-  if (target.count == 1) return false;
-  std::array<Vec3Twice, 3> v;
-  double extent = 0, reach = 0;
-  for (int i = 0; i < target.count; ++i) {
-    v[i] = minus(target.vertices[i], p);
-    reach = std::max(reach, largest(v[i]));
-  }
-  const Vec3Twice e = minus(target.vertices[1], target.vertices[0]);
-  extent = largest(e);
-  if (target.count == 2) {
-    if (!is_moderate(extent) || !is_moderate(reach)) return false;
-    const DoubleDouble squared = dot(e, e), from_first = -dot(v[0], e), from_last = dot(v[1], e);
-    if (!is_clear(from_first, reach * extent) || !is_clear(from_last, reach * extent)) return false;
-    Vec3Twice numerator;
-    for (int i = 0; i < 3; ++i) numerator[i] = v[0][i] * squared + e[i] * from_first;
-    if (!(largest(numerator) > 0x1p-38 * reach * extent * extent)) return false;
-    for (int i = 0; i < 3; ++i) result.offset[i] = quotient(numerator[i], squared);
-    result.barycentric = {quotient(from_last, squared), quotient(from_first, squared), 0};
-    return true;
-  }
-  const Vec3Twice f = minus(target.vertices[2], target.vertices[0]);
-  extent = std::max(extent, largest(f));
-  if (!is_moderate(extent) || !is_moderate(reach)) return false;
-  const Vec3Twice n = cross(e, f);
-  const DoubleDouble squared = dot(n, n), height = dot(n, v[0]);
-  const double area = extent * extent;
-  if (!is_clear(squared, area * area) || !is_clear(height, area * reach)) return false;
-  for (int i = 0; i < 3; ++i) {
-    const DoubleDouble weight = dot(cross(v[(i + 1) % 3], v[(i + 2) % 3]), n);
-    if (!is_clear(weight, reach * reach * area)) return false;
-    result.barycentric[i] = quotient(weight, squared);
-    result.offset[i] = quotient(n[i] * height, squared);
-  }
-  return true;
-}
-
 }  // namespace
 
 template <int D>
 PreciseOffset<D> precise_offset(const Vec<D>& p, const TargetSimplex<D>& target) {
   if constexpr (D == 3) {
     PreciseOffset<D> result;
-    if (find_long_offset(p, target, result)) return result;
+    if (twice::find_offset(p, target, result)) return result;
   }
   return exact_offset(p, target);
 }

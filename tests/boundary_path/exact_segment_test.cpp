@@ -30,18 +30,23 @@ FacePoints<D> lattice_face(test::Random& random) {
 template <int D>
 std::array<oracle::RationalVec<D>, D> seen_from(const Vec<D>& p, const FacePoints<D>& face) {
   std::array<oracle::RationalVec<D>, D> result;
-  for (int i = 0; i < D; ++i) result[i] = oracle::to_rational<D>(face[i] - p);
+  using oracle::operator-;
+  for (int i = 0; i < D; ++i) result[i] = oracle::to_rational<D>(face[i]) - oracle::to_rational<D>(p);
   return result;
 }
 
+/// @param unit  of the lattice: 1, or a number whose multiples are rounded, so that little is degenerate but much
+/// nearly
 template <int D>
-void compare_with_rationals() {
+void compare_with_rationals(double unit) {
   test::Random random(test::seed(D));
   std::int64_t in_segment = 0, in_reach = 0, on_line = 0;
   const std::int64_t count = test::scaled(40000);
   for (std::int64_t i = 0; i < count; ++i) {
-    const Vec<D> p = lattice_point<D>(random);
-    const FacePoints<D> boundary = lattice_face<D>(random), face = lattice_face<D>(random);
+    const Vec<D> p = unit * lattice_point<D>(random);
+    FacePoints<D> boundary = lattice_face<D>(random), face = lattice_face<D>(random);
+    for (auto* some : {&boundary, &face})
+      for (Vec<D>& x : *some) x *= unit;
     const auto direction = oracle::closest_to_origin<D>(seen_from<D>(p, boundary));
     if (oracle::dot(direction, direction) == 0) continue;
     TargetSimplex<D> target;
@@ -65,11 +70,11 @@ void compare_with_rationals() {
 }
 
 TEST(ExactSegment, MeetsFacesAsRationalsDoInThePlane) {
-  compare_with_rationals<2>();
+  for (const double unit : {1.0, 0.1}) compare_with_rationals<2>(unit);
 }
 
 TEST(ExactSegment, MeetsFacesAsRationalsDoInSpace) {
-  compare_with_rationals<3>();
+  for (const double unit : {1.0, 0.1}) compare_with_rationals<3>(unit);
 }
 
 // Flat faces across the line, in the plane of two coordinates that a projection could lose.
