@@ -4,10 +4,12 @@
 #include "contact/contact_parts.h"
 #include "contact/impact_contacts.h"
 #include "contact/penetration_search.h"
+#include "contact/tangles.h"
 #include "core/timed.h"
 #include "mesh/position_extent.h"
 #include "selvage/core/error.h"
 #include "selvage/core/parallel.h"
+#include "selvage/geometry/predicates.h"
 
 #include <fmt/format.h>
 
@@ -62,6 +64,8 @@ struct ContactFinder::State {
   std::vector<Index> inside;  ///< features of the search that penetrate at the start of the step
   std::vector<std::uint8_t> is_inside;
   std::vector<Index> inside_vertices, inside_edges;
+  std::vector<Index> turned;  ///< vertices of elements that are inverted at the start, ascending
+  std::vector<Index> pieces;  ///< connected component of each element; where whole tangles wait
   ContactStatistics statistics;
 
   State(const TetMesh& m, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
@@ -76,12 +80,18 @@ struct ContactFinder::State {
   }
 
   void begin_step(std::span<const Vec3> positions);
+  void split_features();
+  void find_turned_vertices();
+  bool is_any_turned(std::span<const Index> vertices) const;
   void find_contacts(std::span<const Vec3> positions, std::vector<Contact>& contacts);
   std::vector<PenetratingPoint> find_boundary_points(std::span<const Vec3> positions);
   void append_interior_points(std::span<const Vec3> positions, std::vector<PenetratingPoint>& points) const;
   void place(std::span<const Vec3> positions);
   std::vector<BoundaryPath<3>> find_ways_out(std::span<const PenetratingPoint> points, std::span<const Vec3> positions);
   void append_paths(std::span<const Vec3> positions, std::vector<Contact>& contacts);
+  std::vector<std::uint8_t> leave_out_waiting(std::vector<PenetratingPoint>& points);
+  void append_ways_out(std::span<const Vec3> positions, std::vector<PenetratingPoint>& points,
+                       std::vector<Contact>& contacts);
   void append_impacts_of_step(std::span<const Vec3> positions, std::vector<Contact>& contacts);
 };
 
@@ -101,14 +111,19 @@ ContactFinder::State::State(const TetMesh& m, std::span<const Vec3> rest_positio
     search.emplace(mesh, surface, options.detect_edges, positions, PathOptions{options.cull_infeasible_regions, true});
   positions_t0.assign(positions.begin(), positions.end());
   if (search) is_inside.resize(search->feature_count());
+  if (splits() && options.wait_for_inverted) pieces = mesh.element_components();
 }
 
 void ContactFinder::State::begin_step(std::span<const Vec3> positions) {
   check_positions<3>(positions, mesh.vertex_count());
   statistics = {};
   positions_t0.assign(positions.begin(), positions.end());
-  if (!splits()) return;
-  place(positions);
+  if (splits()) split_features();
+  if (options.wait_for_inverted) find_turned_vertices();
+}
+
+void ContactFinder::State::split_features() {
+  place(positions_t0);
   timed(statistics.split_seconds, [&] {
     for (const Index f : inside) is_inside[f] = 0;
     inside.clear();
@@ -127,6 +142,31 @@ void ContactFinder::State::begin_step(std::span<const Vec3> positions) {
   });
   statistics.penetrating_vertices = std::ssize(inside_vertices);
   statistics.penetrating_edges = std::ssize(inside_edges);
+}
+
+/// Where the search has been placed it knows them.
+void ContactFinder::State::find_turned_vertices() {
+  const auto is_inverted = [&](Index e) { return orientation(corners_of(mesh.elements()[e], positions_t0)) < 0; };
+  std::vector<Index> inverted;
+  if (splits()) {
+    const auto defective = search->paths().defective_elements();
+    std::copy_if(defective.begin(), defective.end(), std::back_inserter(inverted), is_inverted);
+  } else {
+    std::vector<std::uint8_t> is_listed(mesh.element_count());
+    parallel_for(mesh.element_count(), kContactGrain,
+                 [&](std::int64_t e) { is_listed[e] = is_inverted(static_cast<Index>(e)); });
+    for (Index e = 0; e < mesh.element_count(); ++e)
+      if (is_listed[e] != 0) inverted.push_back(e);
+  }
+  turned.clear();
+  for (const Index e : inverted) turned.insert(turned.end(), mesh.elements()[e].begin(), mesh.elements()[e].end());
+  std::sort(turned.begin(), turned.end());
+  turned.erase(std::unique(turned.begin(), turned.end()), turned.end());
+}
+
+bool ContactFinder::State::is_any_turned(std::span<const Index> vertices) const {
+  return !turned.empty() && std::any_of(vertices.begin(), vertices.end(),
+                                        [&](Index v) { return std::binary_search(turned.begin(), turned.end(), v); });
 }
 
 std::vector<PenetratingPoint> ContactFinder::State::find_boundary_points(std::span<const Vec3> positions) {
@@ -187,26 +227,46 @@ void ContactFinder::State::append_paths(std::span<const Vec3> positions, std::ve
   std::stable_sort(points.begin(), points.end(), [](const PenetratingPoint& a, const PenetratingPoint& b) {
     return std::pair(a.kind, a.feature) < std::pair(b.kind, b.feature);
   });
-  timed(statistics.path_seconds, [&] {
-    if (euclidean) euclidean->place(positions);
-    const std::vector<BoundaryPath<3>> found = find_ways_out(points, positions);
-    statistics.path_queries += std::ssize(points);
-    std::size_t first = contacts.size();  // of those of the same point
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if (found[i].status != PathStatus::kFound) {
-        ++statistics.blocked_paths;
-        continue;
-      }
-      const Contact contact = path_contact(mesh, points[i], found[i]);
-      // A point between two elements is in both, and leaves them the same way.
-      const auto same = [&](const Contact& other) {
-        return other.surface_feature == contact.surface_feature && other.point == contact.point;
-      };
-      if (first < contacts.size() && !is_same_point(contacts[first], contact)) first = contacts.size();
-      if (found[i].normal.isZero(0) || std::any_of(contacts.begin() + first, contacts.end(), same)) continue;
-      contacts.push_back(contact);
+  timed(statistics.path_seconds, [&] { append_ways_out(positions, points, contacts); });
+}
+
+/// Takes out the points of tangles that have a turned vertex: these need not be asked for a way out.
+std::vector<std::uint8_t> ContactFinder::State::leave_out_waiting(std::vector<PenetratingPoint>& points) {
+  std::vector<std::uint8_t> waits(1, 0);
+  if (turned.empty()) return waits;
+  waits.assign(number_tangles(mesh, pieces, points), 0);
+  for (const PenetratingPoint& p : points)
+    if (is_any_turned(std::span(p.vertices).first(p.count))) waits[p.tangle] = 1;
+  statistics.waiting_points += std::erase_if(points, [&](const PenetratingPoint& p) { return waits[p.tangle] != 0; });
+  return waits;
+}
+
+void ContactFinder::State::append_ways_out(std::span<const Vec3> positions, std::vector<PenetratingPoint>& points,
+                                           std::vector<Contact>& contacts) {
+  std::vector<std::uint8_t> waits = leave_out_waiting(points);
+  if (euclidean) euclidean->place(positions);
+  const std::vector<BoundaryPath<3>> found = find_ways_out(points, positions);
+  statistics.path_queries += std::ssize(points);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (found[i].status == PathStatus::kFound && is_any_turned(mesh.boundary_faces()[found[i].face]))
+      waits[points[i].tangle] = 1;
+  std::size_t first = contacts.size();  // of those of the same point
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    statistics.waiting_points += waits[points[i].tangle];
+    if (waits[points[i].tangle] != 0) continue;
+    if (found[i].status != PathStatus::kFound) {
+      ++statistics.blocked_paths;
+      continue;
     }
-  });
+    const Contact contact = path_contact(mesh, points[i], found[i]);
+    // A point between two elements is in both, and leaves them the same way.
+    const auto same = [&](const Contact& other) {
+      return other.surface_feature == contact.surface_feature && other.point == contact.point;
+    };
+    if (first < contacts.size() && !is_same_point(contacts[first], contact)) first = contacts.size();
+    if (found[i].normal.isZero(0) || std::any_of(contacts.begin() + first, contacts.end(), same)) continue;
+    contacts.push_back(contact);
+  }
 }
 
 void ContactFinder::State::append_impacts_of_step(std::span<const Vec3> positions, std::vector<Contact>& contacts) {
@@ -226,6 +286,7 @@ void ContactFinder::State::append_impacts_of_step(std::span<const Vec3> position
     });
   }
   if (!options.detect_edges) pairs.edge_edge.clear();
+  const std::size_t first = contacts.size();
   const SurfaceStep step{surface, positions_t0, positions};
   const std::vector<double> face_times = impacts->find_impact_times(pairs.vertex_face);
   append_impacts<VertexFacePair>(pairs.vertex_face, face_times, first_impacts(pairs.vertex_face, face_times), contacts,
@@ -234,6 +295,8 @@ void ContactFinder::State::append_impacts_of_step(std::span<const Vec3> position
   append_impacts<EdgeEdgePair>(pairs.edge_edge, edge_times,
                                first_impacts(pairs.edge_edge, edge_times, surface.edge_count()), contacts,
                                [&](auto pair, double time) { return edge_edge_contact(step, pair, time); });
+  const auto has_turned = [&](const Contact& c) { return is_any_turned(std::span(c.vertices).first(c.count)); };
+  contacts.erase(std::remove_if(contacts.begin() + first, contacts.end(), has_turned), contacts.end());
 }
 
 void ContactFinder::State::find_contacts(std::span<const Vec3> positions, std::vector<Contact>& contacts) {

@@ -13,6 +13,7 @@ struct PenetratingPoint {
   std::array<Index, 4> vertices{};
   std::array<double, 4> weights{};
   PathQuery<3> query;
+  Index tangle = 0;  ///< see number_tangles()
 };
 
 PenetratingPoint penetrating_vertex(Index vertex, Index element, std::span<const Vec3> positions);

@@ -93,7 +93,10 @@ struct XpbdSolver::Parts {
     std::vector<Index> body_of(vertex_count(), kNone);
     for (Index b = 0; b < std::ssize(model.bodies); ++b)
       std::fill_n(body_of.begin() + model.bodies[b].first_vertex, model.bodies[b].vertex_count, b);
-    contact_finder.emplace(model.mesh, model.rest_positions, initial.positions, body_of, options.contact);
+    ContactOptions contact = options.contact;
+    // What CCD alone lets go it never finds again.
+    contact.wait_for_inverted = contact.mode != DetectionMode::kCcd;
+    contact_finder.emplace(model.mesh, model.rest_positions, initial.positions, body_of, contact);
     proposed.resize(vertex_count());
     reaches = reaches_of(model);
   }
@@ -169,13 +172,11 @@ struct XpbdSolver::Parts {
     statistics.constraints += material.constraint_count() * (last - first);
   }
 
-  void find_contacts(const State& state) {
+  void find_contacts() {
     if (!contact_finder) return;
     for_each_vertex([&](Index v) { proposed[v] = position(v); });
     contact_finder->find_contacts(proposed, contacts);
     statistics.contact = contact_finder->statistics();
-    // What CCD alone lets go it never finds again.
-    if (options.contact.mode != DetectionMode::kCcd) leave_out_inverted(model.mesh, state.positions, contacts);
   }
 
   void project(const State& state, double from, double to) {
@@ -196,7 +197,7 @@ struct XpbdSolver::Parts {
     const int free_iterations = std::max(options.iterations / 2, 1);
     solve_material(0, free_iterations);
     check_finite(state.steps + 1);
-    find_contacts(state);
+    find_contacts();
     contact_grips.assign(contacts.size(), {});
     obstacle_grips.assign(vertex_count() * obstacles.size(), {});
     project(state, from, to);

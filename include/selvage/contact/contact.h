@@ -69,6 +69,10 @@ struct ContactOptions {
   /// Interior vertices and centroids of elements too, which undoes complete overlaps (SPB section 5.2): everything by
   /// DCD at the end of the step, whatever the mode (but for kOff).
   bool interior_points = false;
+  /// Contacts with a vertex of an element that is inverted at the start of the step wait until the material has turned
+  /// it back: they would hold it. For kHybrid without interior points a piece's whole tangle with itself waits with
+  /// them.
+  bool wait_for_inverted = false;
   bool cull_infeasible_regions = true;  ///< SPB section 3.6; changes no contact
 };
 

@@ -27,9 +27,10 @@ struct ContactStatistics {
   std::int64_t penetrating_vertices = 0;
   std::int64_t penetrating_edges = 0;
 
-  std::int64_t path_queries = 0;   ///< pairs of a point and an element that were asked for a way out
-  std::int64_t blocked_paths = 0;  ///< those without one
-  std::int64_t pose_updates = 0;   ///< refits of the hierarchies over all elements and faces
+  std::int64_t waiting_points = 0;  ///< pairs of a point and an element, left out by ContactOptions::wait_for_inverted
+  std::int64_t path_queries = 0;    ///< pairs of a point and an element that were asked for a way out
+  std::int64_t blocked_paths = 0;   ///< those without one
+  std::int64_t pose_updates = 0;    ///< refits of the hierarchies over all elements and faces
   PathCounters paths;
   PenetrationCounters penetrations;
   ContinuousCounters continuous;

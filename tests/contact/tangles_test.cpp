@@ -1,0 +1,135 @@
+#include "contact/tangles.h"
+
+#include "selvage/contact/contact_finder.h"
+#include "selvage/geometry/predicates.h"
+#include "selvage/mesh/poses.h"
+#include "selvage/mesh/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+namespace selvage {
+namespace {
+
+using Numbers = std::vector<Index>;
+
+/// Elements of four vertices each, every one a piece, but the first two, which have a face in common.
+struct Scraps {
+  TetMesh mesh{17, {{0, 1, 2, 3}, {1, 2, 3, 4}, {5, 6, 7, 8}, {9, 10, 11, 12}, {13, 14, 15, 16}}};
+  std::vector<Vec3> positions = std::vector<Vec3>(17, Vec3::Zero());
+  std::vector<PenetratingPoint> points;
+
+  void add_vertex(Index v, Index element) { points.push_back(penetrating_vertex(v, element, positions)); }
+  void add_edge(Index a, Index b, Index element) {
+    points.push_back(penetrating_edge(0, {a, b}, 0.5, element, positions));
+  }
+  Numbers number(bool by_piece = true) {
+    const Numbers pieces = mesh.element_components();
+    const Index count = number_tangles(mesh, by_piece ? std::span(pieces) : std::span<const Index>(), points);
+    Numbers tangles;
+    for (const PenetratingPoint& p : points) tangles.push_back(p.tangle);
+    EXPECT_EQ(count, std::ssize(std::set<Index>(tangles.begin(), tangles.end())));
+    return tangles;
+  }
+};
+
+TEST(Tangles, HangTogetherByVerticesInsideTheirOwnPiece) {
+  Scraps scraps;
+  scraps.add_edge(0, 1, 1);
+  scraps.add_edge(2, 3, 0);
+  scraps.add_vertex(4, 0);
+  EXPECT_EQ(scraps.number(), (Numbers{0, 1, 2}));
+  scraps.add_edge(3, 4, 0);
+  EXPECT_EQ(scraps.number(), (Numbers{0, 1, 1, 1})) << "it joins two";
+  scraps.add_edge(1, 4, 1);
+  EXPECT_EQ(scraps.number(), (Numbers{0, 0, 0, 0, 0})) << "it joins all";
+}
+
+TEST(Tangles, AreOnePointEachInOtherPieces) {
+  Scraps scraps;
+  scraps.add_edge(0, 1, 2);
+  scraps.add_edge(1, 2, 2);
+  scraps.add_edge(1, 3, 0);
+  scraps.add_vertex(1, 1);
+  scraps.add_vertex(1, 3);
+  EXPECT_EQ(scraps.number(), (Numbers{0, 1, 2, 2, 3}));
+  EXPECT_EQ(scraps.number(false), (Numbers{0, 1, 2, 3, 4})) << "as every point, where no pieces are told";
+}
+
+/// A rod that crosses itself twice.
+MeshFile make_knotted_rod() {
+  ShapeOptions options;
+  options.length = 8;
+  options.radius = 0.2;
+  MeshFile rod = make_shape("rod", options);
+  pose_self_crossing(rod.positions, 0, 2);
+  return rod;
+}
+
+class WaitingTangles : public testing::TestWithParam<DetectionMode> {
+ protected:
+  std::vector<Contact> find(bool wait) {
+    ContactOptions options;
+    options.mode = GetParam();
+    options.wait_for_inverted = wait;
+    ContactFinder finder(mesh, {}, rod.positions, {}, options);
+    std::vector<Contact> contacts;
+    finder.begin_step(rod.positions);
+    finder.find_contacts(rod.positions, contacts);
+    statistics = finder.statistics();
+    return contacts;
+  }
+
+  /// Mirrors a vertex to beyond the opposite face of one of its elements.
+  void turn_element_of(Index vertex) {
+    const auto& element = mesh.elements()[mesh.vertex_elements(vertex).front()];
+    Vec3 sum = Vec3::Zero();
+    for (const Index v : element) sum += v == vertex ? Vec3(Vec3::Zero()) : rod.positions[v];
+    rod.positions[vertex] += 1.1 * (sum / 3 - rod.positions[vertex]);
+  }
+
+  bool has_turned_vertex(const Contact& contact) const {
+    return std::any_of(contact.vertices.begin(), contact.vertices.begin() + contact.count, [&](Index v) {
+      const auto around = mesh.vertex_elements(v);
+      return std::any_of(around.begin(), around.end(),
+                         [&](Index e) { return orientation(corners_of(mesh.elements()[e], rod.positions)) < 0; });
+    });
+  }
+
+  MeshFile rod = make_knotted_rod();
+  TetMesh mesh{static_cast<Index>(rod.positions.size()), rod.tetrahedra};
+  ContactStatistics statistics;
+};
+
+TEST_P(WaitingTangles, AreThoseWithAnInvertedElement) {
+  const std::vector<Contact> before = find(true);
+  ASSERT_FALSE(before.empty());
+  EXPECT_EQ(statistics.waiting_points, 0) << "nothing is inverted";
+  turn_element_of(before.front().point_feature);
+  const std::vector<Contact> all = find(false), kept = find(true);
+  EXPECT_GT(statistics.waiting_points, 0);
+  EXPECT_GE(statistics.path_queries + statistics.waiting_points, std::ssize(all));
+  EXPECT_TRUE(std::none_of(kept.begin(), kept.end(), [&](const Contact& c) { return has_turned_vertex(c); }));
+  EXPECT_FALSE(kept.empty()) << "the other crossing";
+  std::size_t next = 0, left_out = 0, for_others = 0;
+  for (const Contact& contact : all) {
+    if (next < kept.size() && kept[next].kind == contact.kind && kept[next].point_feature == contact.point_feature &&
+        kept[next].surface_feature == contact.surface_feature) {
+      EXPECT_EQ(kept[next++].weights, contact.weights);
+      continue;
+    }
+    ++left_out;
+    for_others += !has_turned_vertex(contact);
+  }
+  EXPECT_EQ(next, kept.size()) << "contacts that are none without waiting";
+  EXPECT_GT(left_out, 0);
+  EXPECT_EQ(for_others > 0, GetParam() == DetectionMode::kHybrid) << "whole tangles, or each contact for itself";
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, WaitingTangles, testing::Values(DetectionMode::kDcd, DetectionMode::kHybrid),
+                         [](const auto& mode) { return mode.param == DetectionMode::kDcd ? "Dcd" : "Hybrid"; });
+
+}  // namespace
+}  // namespace selvage
