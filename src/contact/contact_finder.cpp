@@ -82,7 +82,8 @@ struct ContactFinder::State {
   void begin_step(std::span<const Vec3> positions);
   void split_features();
   void find_turned_vertices();
-  bool is_any_turned(std::span<const Index> vertices) const;
+  template <typename Weights>
+  bool has_turned(std::span<const Index> vertices, const Weights& weights) const;
   void find_contacts(std::span<const Vec3> positions, std::vector<Contact>& contacts);
   std::vector<PenetratingPoint> find_boundary_points(std::span<const Vec3> positions);
   void append_interior_points(std::span<const Vec3> positions, std::vector<PenetratingPoint>& points) const;
@@ -164,9 +165,13 @@ void ContactFinder::State::find_turned_vertices() {
   turned.erase(std::unique(turned.begin(), turned.end()), turned.end());
 }
 
-bool ContactFinder::State::is_any_turned(std::span<const Index> vertices) const {
-  return !turned.empty() && std::any_of(vertices.begin(), vertices.end(),
-                                        [&](Index v) { return std::binary_search(turned.begin(), turned.end(), v); });
+/// Of vertices with a weight: a point of an edge has nothing to do with the face's third vertex.
+template <typename Weights>
+bool ContactFinder::State::has_turned(std::span<const Index> vertices, const Weights& weights) const {
+  if (turned.empty()) return false;
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    if (weights[i] != 0 && std::binary_search(turned.begin(), turned.end(), vertices[i])) return true;
+  return false;
 }
 
 std::vector<PenetratingPoint> ContactFinder::State::find_boundary_points(std::span<const Vec3> positions) {
@@ -236,7 +241,7 @@ std::vector<std::uint8_t> ContactFinder::State::leave_out_waiting(std::vector<Pe
   if (turned.empty()) return waits;
   waits.assign(number_tangles(mesh, pieces, points), 0);
   for (const PenetratingPoint& p : points)
-    if (is_any_turned(std::span(p.vertices).first(p.count))) waits[p.tangle] = 1;
+    if (has_turned(std::span(p.vertices).first(p.count), p.weights)) waits[p.tangle] = 1;
   statistics.waiting_points += std::erase_if(points, [&](const PenetratingPoint& p) { return waits[p.tangle] != 0; });
   return waits;
 }
@@ -248,7 +253,7 @@ void ContactFinder::State::append_ways_out(std::span<const Vec3> positions, std:
   const std::vector<BoundaryPath<3>> found = find_ways_out(points, positions);
   statistics.path_queries += std::ssize(points);
   for (std::size_t i = 0; i < points.size(); ++i)
-    if (found[i].status == PathStatus::kFound && is_any_turned(mesh.boundary_faces()[found[i].face]))
+    if (found[i].status == PathStatus::kFound && has_turned(mesh.boundary_faces()[found[i].face], found[i].barycentric))
       waits[points[i].tangle] = 1;
   std::size_t first = contacts.size();  // of those of the same point
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -295,8 +300,8 @@ void ContactFinder::State::append_impacts_of_step(std::span<const Vec3> position
   append_impacts<EdgeEdgePair>(pairs.edge_edge, edge_times,
                                first_impacts(pairs.edge_edge, edge_times, surface.edge_count()), contacts,
                                [&](auto pair, double time) { return edge_edge_contact(step, pair, time); });
-  const auto has_turned = [&](const Contact& c) { return is_any_turned(std::span(c.vertices).first(c.count)); };
-  contacts.erase(std::remove_if(contacts.begin() + first, contacts.end(), has_turned), contacts.end());
+  const auto waits = [&](const Contact& c) { return has_turned(std::span(c.vertices).first(c.count), c.weights); };
+  contacts.erase(std::remove_if(contacts.begin() + first, contacts.end(), waits), contacts.end());
 }
 
 void ContactFinder::State::find_contacts(std::span<const Vec3> positions, std::vector<Contact>& contacts) {

@@ -1,9 +1,11 @@
 #include "contact/tangles.h"
 
+#include "contact/solids.h"
 #include "selvage/contact/contact_finder.h"
 #include "selvage/geometry/predicates.h"
 #include "selvage/mesh/poses.h"
 #include "selvage/mesh/shapes.h"
+#include "test_scale.h"
 
 #include <gtest/gtest.h>
 
@@ -58,6 +60,54 @@ TEST(Tangles, AreOnePointEachInOtherPieces) {
   EXPECT_EQ(scraps.number(false), (Numbers{0, 1, 2, 3, 4})) << "as every point, where no pieces are told";
 }
 
+bool has_turned_vertex(const TetMesh& mesh, std::span<const Vec3> positions, const Contact& contact) {
+  return std::any_of(contact.vertices.begin(), contact.vertices.begin() + contact.count, [&](Index v) {
+    const auto around = mesh.vertex_elements(v);
+    return std::any_of(around.begin(), around.end(),
+                       [&](Index e) { return orientation(corners_of(mesh.elements()[e], positions)) < 0; });
+  });
+}
+
+std::vector<Contact> contacts_of_step(const TetMesh& mesh, std::span<const Vec3> t0, std::span<const Vec3> t1,
+                                      ContactOptions options) {
+  ContactFinder finder(mesh, {}, t0, {}, options);
+  std::vector<Contact> contacts;
+  finder.begin_step(t0);
+  finder.find_contacts(t1, contacts);
+  return contacts;
+}
+
+class Waiting : public testing::TestWithParam<solids::Family> {};
+
+// All that have a vertex of an inverted element, and no others, at whichever end of the step others are inverted.
+TEST_P(Waiting, ContactsAreThoseOfInvertedElementsWithoutTangles) {
+  for (const solids::Motion& motion : solids::motions()) {
+    test::Random random(test::seed(9));
+    solids::Solid solid = GetParam().make(random);
+    const TetMesh mesh = solid.mesh();
+    ContactOptions options;
+    options.mode = DetectionMode::kDcd;
+    for (int step = 0; step < 2; ++step) {
+      const std::vector<Vec3> start = solid.positions;
+      motion.move(solid.positions, random);
+      options.wait_for_inverted = false;
+      std::vector<Contact> right = contacts_of_step(mesh, start, solid.positions, options);
+      std::erase_if(right, [&](const Contact& c) { return has_turned_vertex(mesh, start, c); });
+      options.wait_for_inverted = true;
+      const std::vector<Contact> kept = contacts_of_step(mesh, start, solid.positions, options);
+      ASSERT_EQ(kept.size(), right.size()) << motion.name;
+      for (std::size_t i = 0; i < kept.size(); ++i) {
+        EXPECT_EQ(kept[i].point_feature, right[i].point_feature) << motion.name;
+        EXPECT_EQ(kept[i].surface_feature, right[i].surface_feature) << motion.name;
+        EXPECT_EQ(kept[i].weights, right[i].weights) << motion.name;
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Families, Waiting, testing::ValuesIn(solids::families()),
+                         [](const auto& family) { return family.param.name; });
+
 /// A rod that crosses itself twice.
 MeshFile make_knotted_rod() {
   ShapeOptions options;
@@ -90,14 +140,6 @@ class WaitingTangles : public testing::TestWithParam<DetectionMode> {
     rod.positions[vertex] += 1.1 * (sum / 3 - rod.positions[vertex]);
   }
 
-  bool has_turned_vertex(const Contact& contact) const {
-    return std::any_of(contact.vertices.begin(), contact.vertices.begin() + contact.count, [&](Index v) {
-      const auto around = mesh.vertex_elements(v);
-      return std::any_of(around.begin(), around.end(),
-                         [&](Index e) { return orientation(corners_of(mesh.elements()[e], rod.positions)) < 0; });
-    });
-  }
-
   MeshFile rod = make_knotted_rod();
   TetMesh mesh{static_cast<Index>(rod.positions.size()), rod.tetrahedra};
   ContactStatistics statistics;
@@ -111,7 +153,8 @@ TEST_P(WaitingTangles, AreThoseWithAnInvertedElement) {
   const std::vector<Contact> all = find(false), kept = find(true);
   EXPECT_GT(statistics.waiting_points, 0);
   EXPECT_GE(statistics.path_queries + statistics.waiting_points, std::ssize(all));
-  EXPECT_TRUE(std::none_of(kept.begin(), kept.end(), [&](const Contact& c) { return has_turned_vertex(c); }));
+  EXPECT_TRUE(std::none_of(kept.begin(), kept.end(),
+                           [&](const Contact& c) { return has_turned_vertex(mesh, rod.positions, c); }));
   EXPECT_FALSE(kept.empty()) << "the other crossing";
   std::size_t next = 0, left_out = 0, for_others = 0;
   for (const Contact& contact : all) {
@@ -121,7 +164,7 @@ TEST_P(WaitingTangles, AreThoseWithAnInvertedElement) {
       continue;
     }
     ++left_out;
-    for_others += !has_turned_vertex(contact);
+    for_others += !has_turned_vertex(mesh, rod.positions, contact);
   }
   EXPECT_EQ(next, kept.size()) << "contacts that are none without waiting";
   EXPECT_GT(left_out, 0);
