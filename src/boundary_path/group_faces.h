@@ -124,7 +124,6 @@ void GroupSearch<D>::leave_out_far_faces() {
 /// Nodes that most of the group comes to are visited once for all, others for each lane alone.
 template <int D>
 void GroupSearch<D>::walk_down() {
-  constexpr int kFew = 4;
   nodes_.count = faces_.count = 0;
   if (scene_.face_nodes.empty() || present_ == 0) return;
   const traversal::WideBox reach(box_of_reach(limit_));
@@ -132,7 +131,7 @@ void GroupSearch<D>::walk_down() {
   nodes_.lanes[nodes_.count++] = static_cast<Index>(present_);
   compare_cones();
   for (std::size_t next = 0; next < nodes_.count; ++next) {
-    nodes_.reserve(kFew * BvhNode::kWidth);
+    nodes_.reserve(kFewAtNode * BvhNode::kWidth);
     faces_.reserve(kWidth * BvhNode::kWidth);
     const Index ahead = nodes_.items[next + kAhead < nodes_.count ? next + kAhead : next];
     traversal::prefetch_node(scene_.face_nodes[ahead]);
@@ -141,7 +140,7 @@ void GroupSearch<D>::walk_down() {
     const Index place = nodes_.items[next];
     const unsigned lanes = static_cast<unsigned>(nodes_.lanes[next]);
     if (!compares_cones_ && faces_.count >= compare_again_at_) compare_cones();
-    if (count_bits(lanes) > kFew)
+    if (count_bits(lanes) > kFewAtNode)
       visit_together(place, lanes, reach);
     else
       for (unsigned rest = lanes; rest != 0; rest &= rest - 1) visit(place, lowest_lane(rest));
@@ -215,7 +214,7 @@ SELVAGE_INLINE void GroupSearch<D>::visit_together(Index place, unsigned lanes, 
       nodes_.lanes[nodes_.count] = static_cast<Index>(wanted);
       nodes_.count += wanted != 0;
     } else {
-      const unsigned candidates = any_sources_ ? wanted & ~excluded_from(scene_.face_leaves[place], k) : wanted;
+      const unsigned candidates = most_sources_ > 0 ? wanted & ~excluded_from(scene_.face_leaves[place], k) : wanted;
       for (const int half : {0, 8}) {
         const unsigned some = candidates >> half & 0xffu;
         store_packed(Int8::load(kLanes + half), some, faces_.lanes.data() + faces_.count);
@@ -249,30 +248,36 @@ SELVAGE_INLINE void GroupSearch<D>::visit(Index place, Index lane) {
   (~Int8::load(node.children)).store(places);
   nodes_.add(places, wanted & nodes, 1 << lane);
   wanted &= ~nodes;
-  if (any_sources_) wanted &= ~excluded_faces(scene_.face_leaves[place], lane);
+  if (most_sources_ > 0) wanted &= ~excluded_faces(scene_.face_leaves[place], lane);
   faces_.add(node.children, wanted, lane);
 }
 
 /// Lanes for which the face in a leaf has all the vertices on which p lies, and is no candidate.
 template <int D>
 SELVAGE_INLINE unsigned GroupSearch<D>::excluded_from(const LeafNode<D>& leaf, int child) const {
-  unsigned with_source[2] = {0, 0};
-  for (int i = 0; i < 2; ++i)
+  unsigned excluded = ~0u;
+  for (int i = 0; i < most_sources_; ++i) {
+    unsigned with_source = 0;
     for (int k = 0; k < D; ++k)
-      with_source[i] |=
+      with_source |=
           equal_bits(Float16::load(sources_[i]), Float16::broadcast(std::bit_cast<float>(leaf.vertices[k][child])));
-  return with_source[0] & with_source[1];
+    excluded &= with_source;
+  }
+  return excluded;
 }
 
 /// The same for all faces in a leaf, and one lane.
 template <int D>
 SELVAGE_INLINE unsigned GroupSearch<D>::excluded_faces(const LeafNode<D>& leaf, Index lane) const {
-  unsigned with_source[2] = {0, 0};
-  for (int i = 0; i < 2; ++i)
+  unsigned excluded = ~0u;
+  for (int i = 0; i < most_sources_; ++i) {
+    unsigned with_source = 0;
     for (int k = 0; k < D; ++k)
-      with_source[i] |= equal_bits(Float8::load(reinterpret_cast<const float*>(leaf.vertices[k])),
-                                   Float8::broadcast(sources_[i][lane]));
-  return with_source[0] & with_source[1];
+      with_source |= equal_bits(Float8::load(reinterpret_cast<const float*>(leaf.vertices[k])),
+                                Float8::broadcast(sources_[i][lane]));
+    excluded &= with_source;
+  }
+  return excluded;
 }
 
 /// Sixteen pairs of a lane and a face, ready to be looked at.

@@ -47,7 +47,7 @@ void GroupSearch<D>::look_for_defects() {
   }
 }
 
-/// Goes on to neighbours as long as they come closer.
+/// Goes on to neighbours as long as they come closer for more than a few.
 template <int D>
 void GroupSearch<D>::approach(unsigned lanes) {
   constexpr int kMostSteps = 8;
@@ -56,7 +56,7 @@ void GroupSearch<D>::approach(unsigned lanes) {
   for (int lane = 0; lane < kWidth; ++lane)
     if ((lanes >> lane & 1) == 0) guesses_.face[lane] = guesses_.face[lowest_lane(lanes)];
   unsigned moving = lanes;
-  for (int step = 0; step < kMostSteps && moving != 0; ++step) {
+  for (int step = 0; step < kMostSteps && (step == 0 || count_bits(moving) > kFewToGoOn); ++step) {
     const FaceFindings<D> found = look_at(view(guesses_.face, kLanes));
     alignas(64) float squared[kWidth], points[3][kWidth];
     dot(found.way, found.way).store(squared);

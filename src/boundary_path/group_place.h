@@ -32,7 +32,8 @@ template <int D>
 void GroupSearch<D>::take_sources(int lane) {
   const PathQuery<D>& query = searches_[lane].query();
   const bool bars = !searches_[lane].may_cull_towards_source();
-  any_sources_ |= query.source[0] != kNone;
+  const int count = query.source[0] == kNone ? 0 : query.source[1] == kNone ? 1 : 2;
+  most_sources_ = count > most_sources_ ? count : most_sources_;
   any_barring_ |= bars && query.source[0] != kNone;
   const Index sources[2] = {query.source[0], query.source[1] == kNone ? query.source[0] : query.source[1]};
   for (int i = 0; i < 2; ++i) {

@@ -43,6 +43,12 @@ class GroupSearch {
  private:
   static constexpr int kWidth = kPointGroup, kVanguard = 4;
   static constexpr std::size_t kAhead = 6, kRoom = 256;
+  /// So few lanes visit a node one by one, and go no further from their guesses: it does not pay to do so with all.
+#ifdef SELVAGE_SIMD_AVX512
+  static constexpr int kFewAtNode = 4, kFewToGoOn = 0;
+#else
+  static constexpr int kFewAtNode = 6, kFewToGoOn = 2;  // sixteen lanes take two operations or more
+#endif
 
   /// Pairs of some lanes (bits) and a node, or of a lane and a face.
   struct Pairs {
@@ -136,7 +142,8 @@ class GroupSearch {
   alignas(64) float limit_[kWidth];                        ///< what a computed squared distance may be at most
   alignas(64) float sources_[2][kWidth] = {};              ///< vertices on which p lies, or none; as bits
   alignas(64) float barring_sources_[2][kWidth] = {};      ///< the same where their faces prove nothing
-  bool any_sources_ = false, any_barring_ = false;
+  int most_sources_ = 0;                                   ///< vertices on which some p lies
+  bool any_barring_ = false;
   Pairs nodes_, faces_;
   bool compares_cones_ = true;            ///< of faces
   int left_to_compare_ = 0;               ///< faces before that is decided
@@ -163,7 +170,8 @@ void GroupSearch<D>::run(std::span<const PathTask<D>> tasks, PathResult<D>* resu
   unsigned present = 0;
   for (int i = 0; i < count; ++i)
     if (searches_[i].locate((inside >> i & 1) != 0)) present |= 1u << i;
-  any_sources_ = any_barring_ = false;
+  most_sources_ = 0;
+  any_barring_ = false;
   for (unsigned rest = present; rest != 0; rest &= rest - 1) take_sources(lowest_lane(rest));
   // Where many guesses were bad just now, a few lanes find answers from which the others start.
   int wanted = is_cautious_ ? kVanguard : kWidth;

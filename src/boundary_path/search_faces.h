@@ -186,7 +186,7 @@ void Search<D>::settle() {
 template <int D>
 Index Search<D>::smallest_face(const Candidate<D>& candidate) const {
   Index smallest = candidate.face;
-  if (follows_inverted_rules(candidate)) return smallest;  // each face has a path of its own
+  if (candidate.target.count == D || follows_inverted_rules(candidate)) return smallest;  // a path of its own
   visit_feature<D>(scene_.boundary_faces, scene_.boundary_neighbours, candidate.face, candidate.ids,
                    candidate.target.count, [&](Index face) {
                      if (face >= smallest || is_excluded(face) || scene_.inverted_owner[face]) return;
