@@ -28,9 +28,9 @@ struct PackedPiece {
 
 /// Where a row begins, by its number.
 std::uint16_t row_at(Index number) {
-  return static_cast<std::uint16_t>(4 * number);
+  return static_cast<std::uint16_t>(kRowLength * number);
 }
-static_assert(4 * kBlockRows <= std::numeric_limits<std::uint16_t>::max());
+static_assert(kRowLength * kBlockRows <= std::numeric_limits<std::uint16_t>::max());
 
 class BlockMaker {
  public:

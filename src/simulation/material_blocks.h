@@ -6,6 +6,9 @@
 
 namespace selvage {
 
+/// Numbers of a vertex in a block: a VertexRow, and the same at the start of the step.
+inline constexpr int kRowLength = 8;
+
 /// Constraints of one kind are solved sixteen at a time, whatever the registers hold: no two of a batch share a vertex.
 /// Twice as many as the widest register: elements are long chains of operations, and others have to be at hand while
 /// they wait.
@@ -35,7 +38,7 @@ struct alignas(64) EdgeBatch {
 /// Elements of one body that lie near one another, solved one after the other by one thread: batches in ranges.
 ///
 /// While a block is solved its vertices are in rows of their own, one after the other, followed by four that stand in
-/// for missing ones. Batches name a row by where it begins, counted in numbers, of which each has four.
+/// for missing ones. Batches name a row by where it begins, counted in numbers, of which each has kRowLength.
 struct MaterialBlock {
   Index body;
   Index first_vertex, last_vertex;  ///< into `vertices`

@@ -32,37 +32,54 @@ SELVAGE_INLINE void cross(const Wide3& a, const Wide3& b, Wide3& r) {
 
 /// The vertices of the block that is being solved, and those that stand in for missing ones.
 struct BlockRows {
-  alignas(64) VertexRow now[kBlockRows];
-  alignas(64) VertexRow start[kBlockRows];
+  /// A cache line: what is damped needs both.
+  struct alignas(64) Row {
+    VertexRow now, start;
+  };
+  Row rows[kBlockRows];
 
-  SELVAGE_INLINE const double* of_now() const { return now->position; }
-  SELVAGE_INLINE double* of_now() { return now->position; }
-  SELVAGE_INLINE const double* of_start() const { return start->position; }
+  SELVAGE_INLINE const double* of_now() const { return rows->now.position; }
+  SELVAGE_INLINE double* of_now() { return rows->now.position; }
+  SELVAGE_INLINE const double* of_start() const { return rows->start.position; }
 
   template <bool kDamped>
   void load(const MaterialTask& task, std::span<const Index> vertices) {
-    for (std::size_t i = 0; i < vertices.size(); ++i) now[i] = task.vertices[vertices[i]];
-    if constexpr (kDamped)
-      for (std::size_t i = 0; i < vertices.size(); ++i) start[i] = task.start[vertices[i]];
-    for (int k = 0; k < 4; ++k)
-      now[vertices.size() + k] = start[vertices.size() + k] = {{double(k == 1), double(k == 2), double(k == 3)}, 0};
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      rows[i].now = task.vertices[vertices[i]];
+      if constexpr (kDamped) rows[i].start = task.start[vertices[i]];
+    }
+    for (int k = 0; k < 4; ++k) {
+      const VertexRow missing = {{double(k == 1), double(k == 2), double(k == 3)}, 0};
+      rows[vertices.size() + k] = {missing, missing};
+    }
   }
 
   void store(const MaterialTask& task, std::span<const Index> vertices) const {
-    for (std::size_t i = 0; i < vertices.size(); ++i) task.vertices[vertices[i]] = now[i];
+    for (std::size_t i = 0; i < vertices.size(); ++i) task.vertices[vertices[i]] = rows[i].now;
   }
 };
+static_assert(sizeof(BlockRows::Row) == sizeof(double) * kRowLength);
 
 /// The vertices of as many elements as there are lanes.
 struct Corners {
   WideDouble x[4][4];  ///< position and inverse mass
 
-  SELVAGE_INLINE Corners(const double* rows, const ElementBatch& batch, int part) {
+  SELVAGE_INLINE Corners(const BlockRows& rows, const ElementBatch& batch, int part) {
     // Written out: a loop over so much would stay one.
-    load_rows(rows, batch.rows[0] + part, x[0]);
-    load_rows(rows, batch.rows[1] + part, x[1]);
-    load_rows(rows, batch.rows[2] + part, x[2]);
-    load_rows(rows, batch.rows[3] + part, x[3]);
+    load_rows(rows.of_now(), batch.rows[0] + part, x[0]);
+    load_rows(rows.of_now(), batch.rows[1] + part, x[1]);
+    load_rows(rows.of_now(), batch.rows[2] + part, x[2]);
+    load_rows(rows.of_now(), batch.rows[3] + part, x[3]);
+  }
+
+  /// The same, and the edges at the start of the step: each offset is used twice while it is in a register.
+  SELVAGE_INLINE Corners(const BlockRows& rows, const ElementBatch& batch, int part, Wide3 (&start)[3]) {
+    WideDouble first[4];
+    load_rows(rows.of_now(), batch.rows[0] + part, x[0]);
+    load_rows(rows.of_start(), batch.rows[0] + part, first);
+    load_with_edge(rows, batch.rows[1] + part, first, x[1], start[0]);
+    load_with_edge(rows, batch.rows[2] + part, first, x[2], start[1]);
+    load_with_edge(rows, batch.rows[3] + part, first, x[3], start[2]);
   }
 
   SELVAGE_INLINE void store(double* rows, const ElementBatch& batch, int part) const {
@@ -77,19 +94,28 @@ struct Corners {
       for (int i = 0; i < 3; ++i) edges[k][i] = x[k + 1][i] - x[0][i];
   }
 
-  /// Moves vertices along the gradients (those of vertices 1 to 3 given, of 0 their sum the other way), by inverse
+  /// Moves vertices against the gradients (those of vertices 1 to 3 given, of 0 their sum the other way), by inverse
   /// mass.
   SELVAGE_INLINE void move(const Wide3 (&gradients)[3], const Wide3& sum, WideDouble scale) {
     const WideDouble first_scale = scale * x[0][3];
-    for (int i = 0; i < 3; ++i) x[0][i] = x[0][i] - first_scale * sum[i];
+    for (int i = 0; i < 3; ++i) x[0][i] = x[0][i] + first_scale * sum[i];
     for (int k = 0; k < 3; ++k) {
       const WideDouble own_scale = scale * x[k + 1][3];
-      for (int i = 0; i < 3; ++i) x[k + 1][i] = x[k + 1][i] + own_scale * gradients[k][i];
+      for (int i = 0; i < 3; ++i) x[k + 1][i] = x[k + 1][i] - own_scale * gradients[k][i];
     }
   }
 
   SELVAGE_INLINE WideDouble weigh(WideDouble of_first, const Wide3& others) const {
     return x[0][3] * of_first + x[1][3] * others[0] + x[2][3] * others[1] + x[3][3] * others[2];
+  }
+
+ private:
+  SELVAGE_INLINE static void load_with_edge(const BlockRows& rows, const std::uint16_t* offsets,
+                                            const WideDouble (&first)[4], WideDouble (&now)[4], Wide3& edge) {
+    WideDouble start[4];
+    load_rows(rows.of_now(), offsets, now);
+    load_rows(rows.of_start(), offsets, start);
+    for (int i = 0; i < 3; ++i) edge[i] = start[i] - first[i];
   }
 };
 
@@ -134,8 +160,8 @@ class ElementSolver {
     Elements b(rows_, batch, second_part);
     if constexpr (kDeviatoric) solve_deviatoric(b);
     solve_hydrostatic(a);
+    a.corners.store(rows_.of_now(), batch, first_part);  // at once, from registers
     solve_hydrostatic(b);
-    a.corners.store(rows_.of_now(), batch, first_part);
     b.corners.store(rows_.of_now(), batch, second_part);
   }
 
@@ -144,13 +170,19 @@ class ElementSolver {
   struct Elements {
     ElementBatch& batch;
     int part;
+    Wide3 start[3];  ///< edges at the start of the step
     Corners corners;
-    Wide3 start[3];     ///< edges at the start of the step
     WideDouble weight;  ///< what the gradients of a constraint weigh at rest
 
     SELVAGE_INLINE Elements(const BlockRows& rows, ElementBatch& b, int p)
-        : batch(b), part(p), corners(rows.of_now(), b, p), weight(rest_weight(corners, b, p)) {
-      if constexpr (kDamped) Corners(rows.of_start(), batch, part).list_edges(start);
+        : batch(b), part(p), corners(load(rows)), weight(rest_weight(corners, b, p)) {}
+
+   private:
+    SELVAGE_INLINE Corners load(const BlockRows& rows) {
+      if constexpr (kDamped)
+        return Corners(rows, batch, part, start);
+      else
+        return Corners(rows, batch, part);
     }
   };
 
@@ -200,8 +232,8 @@ class ElementSolver {
     const WideDouble stiffness = weigh_gradients(of.corners, gradients, sum);
     const WideDouble denominator = (kDamped ? share_ * stiffness : stiffness) + squared * compliance +
                                    constant(0.25) * (residual * residual) * of.weight;
-    const WideDouble scale = constant(0) - residual / denominator;
-    add_multiplier(batch.multipliers[0] + part, scale * value);
+    const WideDouble scale = residual / denominator;
+    reduce_multiplier(batch.multipliers[0] + part, scale * value);
     of.corners.move(gradients, sum, scale);
   }
 
@@ -221,14 +253,14 @@ class ElementSolver {
     const WideDouble stiffness = inverse_volume * inverse_volume * weigh_gradients(of.corners, areas, sum);
     const WideDouble denominator =
         (kDamped ? share_ * stiffness : stiffness) + compliance + constant(0.25) * (residual * residual) * of.weight;
-    const WideDouble scale = constant(0) - residual / max(denominator, constant(kLeastDenominator));
-    add_multiplier(batch.multipliers[1] + part, scale);
+    const WideDouble scale = residual / max(denominator, constant(kLeastDenominator));
+    reduce_multiplier(batch.multipliers[1] + part, scale);
     of.corners.move(areas, sum, scale * inverse_volume);
   }
 
-  SELVAGE_INLINE static void add_multiplier(double* multiplier, WideDouble change) {
-    if constexpr (!kFirst) change = WideDouble::load(multiplier) + change;
-    change.store(multiplier);
+  SELVAGE_INLINE static void reduce_multiplier(double* multiplier, WideDouble by) {
+    const WideDouble before = kFirst ? constant(0) : WideDouble::load(multiplier);
+    (before - by).store(multiplier);
   }
 
   BlockRows& rows_;
@@ -268,7 +300,7 @@ SELVAGE_INLINE void solve_springs(BlockRows& rows, const MaterialStep& step, Edg
 }
 
 /// So many batches ahead the next are fetched.
-constexpr Index kAhead = 3;
+constexpr Index kAhead = 2;
 
 /// Fetches what comes next: between two steps all of it leaves the caches.
 template <bool kDamped>

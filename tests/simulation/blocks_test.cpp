@@ -42,8 +42,8 @@ std::vector<Index> vertices_at(const MaterialBlocks& blocks, const MaterialBlock
   std::vector<Index> vertices;
   const Index count = block.last_vertex - block.first_vertex;
   for (const auto& rows : batch.rows) {
-    const Index place = rows[lane] / 4;
-    EXPECT_EQ(rows[lane] % 4, 0);
+    const Index place = rows[lane] / kRowLength;
+    EXPECT_EQ(rows[lane] % kRowLength, 0);
     EXPECT_LT(place, count + 4);
     if (place < count) vertices.push_back(blocks.vertices[block.first_vertex + place]);
   }

@@ -155,7 +155,7 @@ class Twin {
     for (const MaterialBlock& block : blocks.blocks) {
       const Material& material = model.bodies[block.body].material;
       const auto vertex = [&](int row) {
-        const Index place = block.first_vertex + row / 4;
+        const Index place = block.first_vertex + row / kRowLength;
         return place < block.last_vertex ? blocks.vertices[place] : kNone;
       };
       for (Index n = block.first_edge_batch; n < block.last_edge_batch; ++n)
