@@ -1,17 +1,19 @@
 #pragma once
 
 #include "kernels/arithmetic.h"
-#include "selvage/core/parallel.h"
 #include "simulation/material_blocks.h"
 
+#include <barrier>
 #include <chrono>
+#include <numeric>
 #include <thread>
 
 namespace selvage::bench {
 
-/// Arithmetic on doubles in the kernel for one Neo-Hookean element, as written: additions, subtractions,
-/// multiplications; a square root and two divisions besides. Damping has more to do.
-inline constexpr double kOperationsPerElement = 334, kOperationsPerDampedElement = 404;
+/// Additions, subtractions and multiplications of doubles in the kernel for one Neo-Hookean element, as written;
+/// damping has more to do, and the first iteration of a step, whose multipliers are nothing yet, less. Two divisions, a
+/// square root and two maxima besides, and what brings numbers to where they are needed.
+inline constexpr double kOperationsPerElement = 330, kOperationsPerDampedElement = 400, kFewerAtFirst = 5;
 
 /// What an iteration over Neo-Hookean elements moves at least: batches are read, their multipliers written; vertices
 /// read and written once, and read as they were at the start of the step where they are damped. [bytes]
@@ -19,58 +21,75 @@ inline double material_bytes(double elements, double vertices, bool damped) {
   return elements * (sizeof(ElementBatch) + 2 * 8 * kBatch) / kBatch + (damped ? 3 : 2) * vertices * sizeof(VertexRow);
 }
 
-/// Best of twenty, in seconds: other threads may take a while until they come.
-template <typename Body>
-double best_seconds(Body&& body) {
-  double best = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < 20; ++i) {
-    const auto start = std::chrono::steady_clock::now();
-    body();
-    best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-  }
-  return best;
-}
-
-/// What this machine does at most on some threads, measured: doubles multiplied and added in registers, and bytes read
-/// and written in passes over 256 MiB.
+/// What this machine does at most on some threads.
 struct MachineLimit {
   double operations_per_second = 0;
   double bytes_per_second = 0;
 
-  static MachineLimit measure(int threads) {
-    MachineLimit limit;
-    std::vector<std::int64_t> operations(threads);
-    std::vector<double> sinks(threads), numbers(std::size_t{1} << 25, 1.0);
-    const double seconds = best_seconds([&] {
-      parallel_for(threads, 1,
-                   [&](std::int64_t t) { operations[t] = SELVAGE_DISPATCH(run_arithmetic, 4'000'000, sinks[t]); });
-    });
-    limit.operations_per_second = static_cast<double>(operations[0]) * threads / seconds;
-    limit.bytes_per_second =
-        16 * static_cast<double>(numbers.size()) / best_seconds([&] {
-          parallel_ranges(std::ssize(numbers), 1 << 16, [&](std::int64_t first, std::int64_t last) {
-            for (std::int64_t i = first; i < last; ++i) numbers[i] *= 1.0000001;
-          });
-        });
-    return limit;
-  }
-
-  /// The larger of both: a machine's pace changes.
-  void raise_to(const MachineLimit& other) {
-    operations_per_second = std::max(operations_per_second, other.operations_per_second);
-    bytes_per_second = std::max(bytes_per_second, other.bytes_per_second);
-  }
-
-  /// What an iteration over Neo-Hookean bodies takes at least: of arithmetic or of memory, whichever is more.
-  double seconds(std::span<const Body> bodies) const {
+  /// What the iterations of a step over Neo-Hookean bodies take at least: of arithmetic or of memory, whichever is
+  /// more.
+  double seconds(std::span<const Body> bodies, int iterations) const {
     double operations = 0, bytes = 0;
     for (const Body& body : bodies) {
       const bool damped = body.material.damping > 0;
-      operations += body.element_count * (damped ? kOperationsPerDampedElement : kOperationsPerElement);
-      bytes += material_bytes(body.element_count, body.vertex_count, damped);
+      const double of_element = damped ? kOperationsPerDampedElement : kOperationsPerElement;
+      operations += body.element_count * (iterations * of_element - kFewerAtFirst);
+      bytes += iterations * material_bytes(body.element_count, body.vertex_count, damped);
     }
     return std::max(operations / operations_per_second, bytes / bytes_per_second);
   }
+
+  MachineLimit mean_with(const MachineLimit& other) const {
+    return {(operations_per_second + other.operations_per_second) / 2, (bytes_per_second + other.bytes_per_second) / 2};
+  }
+};
+
+/// Measures the limit whenever it is asked, in some ten milliseconds: doubles multiplied and added in registers, and
+/// beside that as many divided and taken the root of as an element has; and doubles multiplied in passes over so much
+/// memory, be it in caches or not.
+class LimitMeter {
+ public:
+  LimitMeter(int threads, double bytes)
+      : threads_(threads), numbers_(static_cast<std::size_t>(std::max(bytes / sizeof(double), 1.0)), 1.0) {}
+
+  MachineLimit measure() {
+    std::vector<double> sinks(threads_);
+    const double operations = measure_pace(
+        [&](int thread) { return static_cast<double>(SELVAGE_DISPATCH(run_arithmetic, 12'000, sinks[thread])); });
+    const double bytes = measure_pace([&](int thread) {
+      const std::size_t first = numbers_.size() * thread / threads_, last = numbers_.size() * (thread + 1) / threads_;
+      for (std::size_t i = first; i < last; ++i) numbers_[i] *= 1.0000001;
+      return 16 * static_cast<double>(last - first);
+    });
+    return {operations, bytes};
+  }
+
+ private:
+  /// The sum over threads, at the same time, of the best that each does in ten tries. `work(thread)` returns how much
+  /// it did.
+  template <typename Work>
+  double measure_pace(Work&& work) const {
+    std::vector<double> paces(threads_, 0);
+    std::barrier together(threads_);
+    const auto measure = [&](int thread) {
+      together.arrive_and_wait();
+      for (int i = 0; i < 10; ++i) {
+        const auto start = std::chrono::steady_clock::now();
+        const double done = work(thread);
+        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+        paces[thread] = std::max(paces[thread], done / seconds.count());
+      }
+    };
+    {
+      std::vector<std::jthread> others;
+      for (int t = 1; t < threads_; ++t) others.emplace_back(measure, t);
+      measure(0);
+    }
+    return std::accumulate(paces.begin(), paces.end(), 0.0);
+  }
+
+  int threads_;
+  std::vector<double> numbers_;
 };
 
 }  // namespace selvage::bench

@@ -21,6 +21,7 @@ using nlohmann::json;
 
 constexpr const char* kGrowing = "octopi_600.json";
 constexpr std::int64_t kGrowthFrames = 10;
+constexpr double kLargeMemory = 256 * 1024 * 1024;  ///< more than caches hold [bytes]
 
 std::vector<std::string> names_of(const SimulationPlan& plan) {
   if (!plan.scenes.empty()) return plan.scenes;
@@ -46,22 +47,30 @@ class Folder {
   fs::path path_ = fs::temp_directory_path() / fmt::format("selvage-bench-{}", getpid());
 };
 
-/// The summary of a run, with what its material solve reached.
-json run(const Scene& scene, std::int64_t frames, MachineLimit limit, int threads) {
+/// The summary of a run, with what its material solve reached of the machine's limit. A machine's pace changes: the
+/// limit is measured after every frame, of memory over as much as an iteration goes through, and a frame compared with
+/// the mean of before and after.
+json run(const Scene& scene, std::int64_t frames, int threads) {
   const Folder folder;
   RunOptions options;
   options.folder = folder.path();
   if (frames > 0) options.frames = frames;
+  double bytes = 0;
+  for (const Body& body : scene.model.bodies)
+    bytes += material_bytes(body.element_count, body.vertex_count, body.material.damping > 0);
+  LimitMeter meter(threads, bytes);
+  std::vector<MachineLimit> limits;
+  options.on_frame = [&](const FrameStatistics&) { limits.push_back(meter.measure()); };
   const RunReport report = run_scene(scene, options);
-  limit.raise_to(MachineLimit::measure(threads));
   json summary = json::parse(summarize_run(scene, report));
-  double constraints = 0, seconds = 0;
-  for (const FrameStatistics& row : report.frames) {
+  double constraints = 0, seconds = 0, least = 0;
+  for (std::size_t i = 1; i < report.frames.size(); ++i) {
+    const FrameStatistics& row = report.frames[i];
     constraints += static_cast<double>(row.constraints);
     seconds += row.seconds_material;
+    least += static_cast<double>(row.steps - report.frames[i - 1].steps) *
+             limits[i - 1].mean_with(limits[i]).seconds(scene.model.bodies, scene.options.iterations);
   }
-  const double iterations = summary["steps"].get<double>() * scene.options.iterations;
-  const double least = iterations * limit.seconds(scene.model.bodies);
   if (seconds > 0) {
     summary["constraints_per_second"] = constraints / seconds;
     summary["fraction_of_limit"] = least / seconds;
@@ -111,11 +120,11 @@ Scene read_octopi(const SimulationPlan& plan, const std::array<int, 3>& counts) 
   return read_scene(folder.path() / kGrowing);
 }
 
-void measure_growth(const SimulationPlan& plan, const MachineLimit& limit, std::FILE* table, json& results) {
+void measure_growth(const SimulationPlan& plan, std::FILE* table, json& results) {
   fmt::print(table, "\n{:>8} {:>10} {:>12} {:>14}\n", "octopi", "elements", "ms a step", "ns an element");
   for (const std::array<int, 3>& counts : {std::array{1, 1, 1}, std::array{2, 1, 5}, std::array{5, 4, 5}}) {
     const Scene scene = read_octopi(plan, counts);
-    json summary = run(scene, plan.frames > 0 ? plan.frames : kGrowthFrames, limit, plan.threads);
+    json summary = run(scene, plan.frames > 0 ? plan.frames : kGrowthFrames, plan.threads);
     const double seconds = summary["seconds"]["steps"].get<double>() / summary["steps"].get<double>();
     const double elements = summary["elements"].get<double>();
     fmt::print(table, "{:>8} {:>10} {:>12.2f} {:>14.1f}\n", scene.model.bodies.size(), elements, 1e3 * seconds,
@@ -130,7 +139,7 @@ void measure_growth(const SimulationPlan& plan, const MachineLimit& limit, std::
 void measure_simulation(const SimulationPlan& plan, std::FILE* table, const std::string& json_path) {
   if (!fs::is_directory(plan.folder))
     throw Error(plan.folder.string(), "is no folder of scenes", "name it by --scenes");
-  const MachineLimit limit = MachineLimit::measure(plan.threads);
+  const MachineLimit limit = LimitMeter(plan.threads, kLargeMemory).measure();
   fmt::print(table, "{} threads, at most {:.1f} G operations/s on doubles and {:.1f} GB/s of memory\n\n", plan.threads,
              1e-9 * limit.operations_per_second, 1e-9 * limit.bytes_per_second);
   print_head(table);
@@ -140,13 +149,13 @@ void measure_simulation(const SimulationPlan& plan, std::FILE* table, const std:
     for (const bool culling : {true, false}) {
       if (!culling && !plan.without_culling) continue;
       scene.options.contact.cull_infeasible_regions = culling;
-      json summary = run(scene, plan.frames, limit, plan.threads);
+      json summary = run(scene, plan.frames, plan.threads);
       summary["culling"] = culling;
       print_row(table, culling ? name : name + ", no culling", summary);
       results.push_back(std::move(summary));
     }
   }
-  if (plan.growth) measure_growth(plan, limit, table, growth);
+  if (plan.growth) measure_growth(plan, table, growth);
   if (!json_path.empty())
     write_json_file(json_path, {{"schema", 1}, {"kind", "bench-simulation"}, {"runs", results}, {"growth", growth}});
 }
