@@ -1,4 +1,5 @@
 #include "material_limit.h"
+#include "selvage/core/parallel.h"
 #include "selvage/mesh/shapes.h"
 #include "simulation/material_solver.h"
 
