@@ -1,5 +1,6 @@
 #include "boundary_path/group_order.h"
 
+#include "core/sort_by_digit.h"
 #include "selvage/core/parallel.h"
 #include "selvage/core/simd.h"
 
@@ -91,25 +92,12 @@ struct CurvePlace {
 
 /// The same for any number of threads.
 void sort_many(std::vector<CurvePlace>& items) {
-  constexpr int kDigitBits = 10, kDigits = 1 << kDigitBits;
-  const std::int64_t count = std::ssize(items), chunks = (count + kChunk - 1) / kChunk;
+  constexpr int kDigitBits = 10;
+  constexpr std::uint32_t kDigits = 1u << kDigitBits;
   std::vector<CurvePlace> sorted(items.size());
-  std::vector<Index> places(chunks * kDigits);  ///< where each chunk's items with a digit go
-  const auto visit = [&](std::int64_t chunk, int shift, auto&& take) {
-    for (std::int64_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, count); ++i)
-      take(items[i], places[chunk * kDigits + static_cast<std::int64_t>(items[i].along >> shift & (kDigits - 1u))]);
-  };
   for (int shift = 0; shift < kBits * kAxes; shift += kDigitBits) {
-    parallel_for(chunks, 1, [&](std::int64_t chunk) {
-      std::fill_n(places.begin() + chunk * kDigits, kDigits, 0);
-      visit(chunk, shift, [](const CurvePlace&, Index& number) { ++number; });
-    });
-    Index before = 0;
-    for (int digit = 0; digit < kDigits; ++digit)
-      for (std::int64_t chunk = 0; chunk < chunks; ++chunk)
-        before += std::exchange(places[chunk * kDigits + digit], before);
-    parallel_for(chunks, 1, [&](std::int64_t chunk) {
-      visit(chunk, shift, [&](const CurvePlace& item, Index& place) { sorted[place++] = item; });
+    sort_by_digit(items, sorted, kDigits, [&](const CurvePlace& item) {
+      return static_cast<std::uint32_t>(item.along >> shift) & (kDigits - 1);
     });
     items.swap(sorted);
   }

@@ -94,15 +94,14 @@ inline int side_of_end(const Vec3& p, const TargetSimplex<3>& target, const Face
   return value.high > 0 ? 1 : -1;
 }
 
-/// precise_offset() to a triangle or an edge, where doubles twice as long are enough: a hundred times faster than
-/// integers. Let E
-/// bound the coordinates of edges and V those of vertices relative to p. A polynomial of them here has at most 36
-/// terms, each off by less than 2^-97 of its powers of E and V; so one that is above 2^-38 of these powers is known to
-/// 2^-53, and what is below is left to exact arithmetic.
 inline bool is_clear(const DoubleDouble& value, double powers) {
   return std::abs(value.high) > 0x1p-38 * powers;
 }
 
+/// precise_offset() to a triangle or an edge, where doubles twice as long are enough: a hundred times faster than
+/// integers. Let E bound the coordinates of edges and V those of vertices relative to p. A polynomial of them here has
+/// at most 36 terms, each off by less than 2^-97 of its powers of E and V; so one that is above 2^-38 of these powers
+/// is known to 2^-53, and what is below is left to exact arithmetic.
 inline bool find_offset(const Vec3& p, const TargetSimplex<3>& target, PreciseOffset<3>& result) {
   if (target.count == 1) return false;
   std::array<Vec3Twice, 3> v;

@@ -1,42 +1,14 @@
 #pragma once
 
-#include "selvage/core/parallel.h"
+#include "core/sort_by_digit.h"
 #include "selvage/core/types.h"
 
 #include <bit>
 #include <functional>
 #include <span>
-#include <utility>
 #include <vector>
 
 namespace selvage {
-
-namespace detail {
-
-/// One pass of a radix sort: brings items into the order of a digit, those with equal digits as they stand. Parallel.
-///
-/// @param digit  `std::uint32_t digit(const Item&)`, below `digit_count`
-template <typename Item, typename Digit>
-void sort_by_digit(const std::vector<Item>& from, std::vector<Item>& to, std::uint32_t digit_count, Digit&& digit) {
-  constexpr std::int64_t kFewest = 1 << 15, kMostChunks = 16;
-  const std::int64_t count = std::ssize(from);
-  const std::int64_t chunks = std::clamp<std::int64_t>(count / kFewest, 1, kMostChunks);
-  const auto begin = [&](std::int64_t chunk) { return count * chunk / chunks; };
-  // Per chunk how many items have each digit, then where the next one goes.
-  std::vector<std::int64_t> places(chunks * digit_count);
-  parallel_for(chunks, 1, [&](std::int64_t c) {
-    for (std::int64_t i = begin(c); i < begin(c + 1); ++i) ++places[c * digit_count + digit(from[i])];
-  });
-  std::int64_t place = 0;
-  for (std::uint32_t d = 0; d < digit_count; ++d)
-    for (std::int64_t c = 0; c < chunks; ++c) place += std::exchange(places[c * digit_count + d], place);
-  parallel_for(chunks, 1, [&](std::int64_t c) {
-    std::int64_t* const next = places.data() + c * digit_count;
-    for (std::int64_t i = begin(c); i < begin(c + 1); ++i) to[next[digit(from[i])]++] = from[i];
-  });
-}
-
-}  // namespace detail
 
 /// Sorts lists of distinct items into one, by two numbers of theirs that are not negative, of which no two items have
 /// both in common: a radix sort. The same for any number of threads.
@@ -67,7 +39,7 @@ std::vector<Item> merge_sorted(std::span<const std::vector<Item>> lists, Number 
   for (int pass = 0, from = 0; pass < passes; ++pass) {
     const int to = bits * (pass + 1) / passes;
     const std::uint32_t digit_count = 1u << (to - from);
-    detail::sort_by_digit(items, other, digit_count, [&](const Item& item) {
+    sort_by_digit(items, other, digit_count, [&](const Item& item) {
       const std::uint64_t key = static_cast<std::uint64_t>(std::invoke(first, item)) << shift |
                                 static_cast<std::uint64_t>(std::invoke(second, item));
       return static_cast<std::uint32_t>(key >> from) & (digit_count - 1);
