@@ -1,5 +1,6 @@
 #include "mesh/isosurface_stuffing.h"
 
+#include <algorithm>
 #include <numeric>
 
 #include "mesh/bcc_lattice.h"
@@ -24,6 +25,12 @@ struct Cut {
   std::int8_t direction;
   Index output = kNone;
   double fraction;  ///< of the edge, from the owner
+};
+
+/// A lattice vertex that moved onto the surface.
+struct Warped {
+  Index vertex;
+  Vec3 position;
 };
 
 /// A lattice edge that leaves a vertex, seen from its owner.
@@ -81,9 +88,8 @@ class Stuffing {
   BccLattice lattice_;
   std::vector<double> depths_;          ///< of each lattice vertex; 0 once it is on the surface
   std::vector<std::vector<Cut>> cuts_;  ///< of each block, by owner and direction
-  std::vector<Index> warped_;           ///< vertices that moved, ascending
-  std::vector<Vec3> warped_positions_;
-  std::vector<Index> outputs_;  ///< output number of each lattice vertex that the mesh uses
+  std::vector<Warped> warped_;          ///< vertices that moved, ascending
+  std::vector<Index> outputs_;          ///< output number of each lattice vertex that the mesh uses
 };
 
 void Stuffing::evaluate_depths() {
@@ -182,9 +188,13 @@ std::vector<Index> Stuffing::vertices_near_cuts() const {
   return near;
 }
 
-/// One vertex after the other, as each that moves takes the cuts of its edges away from its neighbours.
+/// One vertex after the other, as each that moves takes the cuts of its edges away from its neighbours. Those inside
+/// go first: in other orders elements may end up with vertices that moved towards and away from each other as far as
+/// they may, and angles below the bound.
 void Stuffing::warp_vertices() {
-  for (Index v : vertices_near_cuts()) {
+  std::vector<Index> near = vertices_near_cuts();
+  std::stable_partition(near.begin(), near.end(), [&](Index v) { return sign(v) > 0; });
+  for (Index v : near) {
     const LatticeVertex at = lattice_.vertex(v);
     double nearest = 1e300;
     Vec3 target = Vec3::Zero();
@@ -205,9 +215,9 @@ void Stuffing::warp_vertices() {
     }
     if (nearest == 1e300) continue;
     depths_[v] = 0;
-    warped_.push_back(v);
-    warped_positions_.push_back(target);
+    warped_.push_back({v, target});
   }
+  std::sort(warped_.begin(), warped_.end(), [](const Warped& a, const Warped& b) { return a.vertex < b.vertex; });
 }
 
 bool Stuffing::touches_inside(Index v) const {
@@ -242,10 +252,10 @@ void Stuffing::place_vertices(MeshFile& mesh) {
     for (Index v = block * kBlockVertices; v < (block + 1) * kBlockVertices; ++v) {
       if (outputs_[v] == kNone) continue;
       outputs_[v] += shift;
-      const auto moved = std::lower_bound(warped_.begin(), warped_.end(), v);
-      const bool has_moved = depths_[v] == 0 && moved != warped_.end() && *moved == v;
-      mesh.positions[outputs_[v]] =
-          has_moved ? warped_positions_[moved - warped_.begin()] : lattice_.position(lattice_.vertex(v));
+      const auto moved = std::lower_bound(warped_.begin(), warped_.end(), v,
+                                          [](const Warped& warped, Index key) { return warped.vertex < key; });
+      const bool has_moved = sign(v) == 0 && moved != warped_.end() && moved->vertex == v;
+      mesh.positions[outputs_[v]] = has_moved ? moved->position : lattice_.position(lattice_.vertex(v));
     }
     for (Cut& cut : cuts_[block]) {
       cut.output += shift;

@@ -8,11 +8,6 @@ namespace selvage {
 /// Tetrahedra that fill a solid, all dihedral angles between 10.7 and 164.8 degrees whatever its form: a body-centred
 /// cubic lattice whose vertices near the surface move onto it, and whose tetrahedra are cut along it.
 ///
-/// These bounds are the paper's. Of 5,000 random coarse balls and solids 17 break the lower one, by up to 1.1 degrees,
-/// at elements three vertices of which have moved as far as they may (`make test-long` shows them). None was flat or
-/// inverted. Vertices move in the order of their numbers; of 2,000 solids 16 break the bound so, and none where
-/// vertices inside the solid move before those outside, which is still to be done.
-///
 /// What is thinner than about a cell may be lost. O(cubes near the solid), parallel, the same bits for any number of
 /// threads. About 30 bytes a tetrahedron while building, beside the mesh.
 ///
