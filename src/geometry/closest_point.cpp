@@ -103,7 +103,9 @@ ClosestPoint<3, 3> closest_on_thin_triangle(const Vec3& p, const Triangle& trian
   const double apex_weight = normal.dot(edge.cross(to_p)) / squared_normal;
   const double j_weight = edge.dot(to_p) / longest - apex_weight * (edge.dot(side) / longest);
   const double i_weight = 1 - apex_weight - j_weight;
-  if (!(apex_weight > 0 && j_weight > 0 && i_weight > 0)) return best;
+  // These two are differences. What is left of one that is zero is rounding, and an edge is as close.
+  constexpr double kRounding = 0x1p-50;
+  if (!(apex_weight > 0 && j_weight > kRounding && i_weight > kRounding)) return best;
   ClosestPoint<3, 3> foot;
   foot.point = triangle[i] + j_weight * edge + apex_weight * side;
   foot.squared_distance = (p - foot.point).squaredNorm();

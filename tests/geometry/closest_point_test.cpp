@@ -193,6 +193,11 @@ TEST(ClosestPoint, TetrahedronEqualsSearchOfAllFeatures) {
   compare_with_all_features<3, 4>(4, scaled(2'000));
 }
 
+TEST(ClosestPoint, FootOnAnEdgeOfAThinTriangle) {
+  // The weight of the second vertex is zero, as a difference 6e-17.
+  expect_closest<3, 3>({0, -16, 13}, {Vec3(0, -4, -4), Vec3(1, 10, 18), Vec3(0, 3, 7)}, true);
+}
+
 /// Random doubles: from fat simplices to ones whose height is 1e-17 of their length, and points at all distances.
 template <std::size_t N>
 void compare_thin_with_all_features(std::uint64_t seed, std::int64_t count) {

@@ -5,6 +5,9 @@
 namespace selvage {
 
 /// The point of a simplex of N vertices that is closest to a given point, and the feature it lies on.
+///
+/// Computed in doubles, to a few units in the last place of the largest coordinate; within that of a smaller feature
+/// either may be named. Coordinates of any magnitude. O(1).
 template <int D, int N>
 struct ClosestPoint {
   Vec<D> point;
