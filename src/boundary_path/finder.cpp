@@ -76,8 +76,8 @@ struct BoundaryPathFinder<D>::State {
     rebuild(positions);
   }
 
-  void update(std::span<const Vec<D>> positions) {
-    if (pose.update(positions)) containment.rebuild();
+  void update_elements(std::span<const Vec<D>> positions) {
+    if (pose.update_elements(positions)) containment.rebuild();
     take_scale();
   }
 
@@ -120,6 +120,11 @@ struct BoundaryPathFinder<D>::State {
 
   class Batches;
 
+  void check_faces() const {
+    if (!pose.has_faces())
+      throw Error("boundary faces", "their hierarchy is of another pose",
+                  "call update_faces() after update_elements()");
+  }
   void check(std::span<const PathQuery<D>> queries, std::span<const Index> warm_start, std::size_t counters) const;
   std::vector<Index> order_in_groups(std::span<const PathQuery<D>> queries) const;
   void describe(const PathTask<D>& task, const PathResult<D>& result, BoundaryPath<D>& path) const;
@@ -257,7 +262,18 @@ BoundaryPathFinder<D>& BoundaryPathFinder<D>::operator=(BoundaryPathFinder&&) no
 
 template <int D>
 void BoundaryPathFinder<D>::update(std::span<const Vec<D>> positions) {
-  state_->update(positions);
+  state_->update_elements(positions);
+  state_->pose.update_faces();
+}
+
+template <int D>
+void BoundaryPathFinder<D>::update_elements(std::span<const Vec<D>> positions) {
+  state_->update_elements(positions);
+}
+
+template <int D>
+void BoundaryPathFinder<D>::update_faces() {
+  state_->pose.update_faces();
 }
 
 template <int D>
@@ -326,6 +342,7 @@ template <int D>
 std::vector<BoundaryPath<D>> BoundaryPathFinder<D>::find_paths(std::span<const PathQuery<D>> queries,
                                                                std::span<const Index> warm_start,
                                                                std::span<PathCounters> counters) const {
+  state_->check_faces();
   state_->check(queries, warm_start, counters.size());
   const std::vector<Index> order = state_->order_in_groups(queries);
   std::vector<BoundaryPath<D>> paths(queries.size());
@@ -421,6 +438,7 @@ typename BoundaryPathFinder<D>::Nearby BoundaryPathFinder<D>::find_elements_near
 template <int D>
 typename BoundaryPathFinder<D>::Nearby BoundaryPathFinder<D>::find_faces_near(
     std::span<const std::array<Vec<D>, 2>> boxes) const {
+  state_->check_faces();
   return find_near(
       state_->pose.faces(), std::ssize(boxes), [&](std::int64_t i) { return state_->box_around(boxes[i]); }, Nearby());
 }

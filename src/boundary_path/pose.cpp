@@ -56,19 +56,25 @@ void Pose<D>::rebuild(std::span<const Vec<D>> positions) {
   build_elements();
   build_faces();
   examine();
+  fit_faces();
 }
 
 template <int D>
-bool Pose<D>::update(std::span<const Vec<D>> positions) {
+bool Pose<D>::update_elements(std::span<const Vec<D>> positions) {
   place(positions);
   examine();
-  if (++face_refits_ > kMostRefits || faces_.quality_loss() > Bvh::kRebuildAbove) {
-    build_faces();
-    fit_faces();
-  }
   const bool is_poor = elements_.quality_loss() > Bvh::kRebuildAbove;
   if (is_poor) build_elements();
   return is_poor;
+}
+
+template <int D>
+void Pose<D>::update_faces() {
+  if (has_faces_) return;
+  fit_faces();
+  if (++face_refits_ <= kMostRefits && faces_.quality_loss() <= Bvh::kRebuildAbove) return;
+  build_faces();
+  fit_faces();
 }
 
 /// Scales the positions by a power of two and lays the frame.
@@ -134,6 +140,7 @@ void Pose<D>::fit_faces() {
                            cones_.data()};
     SELVAGE_DISPATCH(fit_faces, task, first, last);
   });
+  has_faces_ = true;
 }
 
 template <int D>
@@ -151,7 +158,7 @@ void Pose<D>::examine() {
     if (!cullable_[v]) vertex_normals_[v] = NormalBox::everything();
     rounded_[v][3] = mark_of(v, cullable_[v] != 0);
   }
-  fit_faces();
+  has_faces_ = false;
 }
 
 template <int D>

@@ -22,9 +22,13 @@ class Pose {
   /// @throws Error  when the number of positions is not that of the vertices, or one is not finite
   void rebuild(std::span<const Vec<D>> positions);
 
-  /// The same, but refits the hierarchies, and rebuilds only one whose quality has become poor. O(n), parallel.
+  /// The same, but refits the hierarchies, and rebuilds only one whose quality has become poor. O(n), parallel. In two
+  /// halves: all but the hierarchy over the faces, then that, unless it is of this pose already.
   /// @return  whether the hierarchy over the elements is a new one
-  bool update(std::span<const Vec<D>> positions);
+  bool update_elements(std::span<const Vec<D>> positions);
+  void update_faces();
+  /// Whether the hierarchy over the faces is of this pose.
+  bool has_faces() const { return has_faces_; }
 
   std::span<const Vec<D>> positions() const { return positions_; }
   /// positions() are the given ones times 2^-exponent(), so that the largest coordinate is about 1.
@@ -100,6 +104,7 @@ class Pose {
 
   Bvh elements_, faces_;
   int face_refits_ = 0;
+  bool has_faces_ = false;
   std::vector<LeafNode<D + 1>> element_leaves_;
   std::vector<LeafNode<D>> face_leaves_;
 

@@ -228,6 +228,7 @@ void ContactFinder::State::append_paths(std::span<const Vec3> positions, std::ve
     if (options.interior_points) append_interior_points(positions, points);
   });
   if (points.empty()) return;
+  timed(statistics.refit_seconds, [&] { search->prepare_paths(); });
   // Inner vertices are listed after boundary ones, and edges between: each kind in one run, by its numbers.
   std::stable_sort(points.begin(), points.end(), [](const PenetratingPoint& a, const PenetratingPoint& b) {
     return std::pair(a.kind, a.feature) < std::pair(b.kind, b.feature);

@@ -69,7 +69,7 @@ void PenetrationSearch::list_surface_pieces() {
 
 void PenetrationSearch::place(std::span<const Vec3> positions) {
   positions_.assign(positions.begin(), positions.end());
-  paths_.update(positions);
+  paths_.update_elements(positions);
   collisions_placed_ = false;
 }
 
@@ -96,7 +96,10 @@ void PenetrationSearch::suspect_crossings(PenetrationCounters& counters) {
 void PenetrationSearch::suspect_defects() {
   std::vector<Extent> defects;
   for (const Index e : paths_.defective_elements()) defects.push_back(extent_of(mesh_.elements()[e], positions_));
-  for (const Index face : paths_.find_faces_near(defects).found) suspect(face);
+  if (!defects.empty()) {
+    paths_.update_faces();
+    for (const Index face : paths_.find_faces_near(defects).found) suspect(face);
+  }
   const auto boundary = mesh_.boundary_vertices();
   for (const Index v : find_overlapping_stars({boundary.begin(), boundary.end()})) suspect_around(v);
 }

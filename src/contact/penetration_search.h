@@ -42,6 +42,8 @@ class PenetrationSearch {
 
   /// Takes a new pose. O(n), parallel.
   void place(std::span<const Vec3> positions);
+  /// Makes paths() ready for that pose, of which the search seldom needs all.
+  void prepare_paths() { paths_.update_faces(); }
   const BoundaryPathFinder<3>& paths() const { return paths_; }
 
   /// Every vertex with each element that holds it, every edge with the one of them whose part has its middle closest to

@@ -147,6 +147,23 @@ TEST(Defects, InvertedAndFlatElementsAreCounted) {
   expect_signs_counted<3>();
 }
 
+/// Paths end on the boundary, which has to be where the elements are.
+TEST(Errors, FacesOfAnotherPoseAreNotAskedFor) {
+  const auto pieces = families::grid(2, 2);
+  const auto mesh = mesh_of(pieces);
+  BoundaryPathFinder<2> finder(mesh, pieces.positions);
+  const std::vector<PathQuery<2>> query{{{0.75, 0.25}, 0}};
+  const std::vector<std::array<Vec2, 2>> box{{Vec2(0, 0), Vec2(1, 1)}};
+  finder.update_elements(pieces.positions);
+  EXPECT_THROW(finder.find_paths(query), Error);
+  EXPECT_THROW(finder.find_faces_near(box), Error);
+  EXPECT_FALSE(finder.find_elements_near(box).found.empty());
+  EXPECT_NO_THROW(finder.locate(std::vector<Vec2>{{0.75, 0.25}}));
+  finder.update_faces();
+  EXPECT_NO_THROW(finder.find_paths(query));
+  EXPECT_FALSE(finder.find_faces_near(box).found.empty());
+}
+
 TEST(Errors, AreRaisedAtTheDoors) {
   const auto pieces = families::grid(2, 2);
   const auto mesh = mesh_of(pieces);

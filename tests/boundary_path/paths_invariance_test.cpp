@@ -115,6 +115,10 @@ void check_refits(const Case<D>& c) {
   finder.update(elsewhere);
   finder.rebuild(positions);
   expect_identical(c, finder.find_paths(c.queries), "rebuilt");
+  finder.update_elements(elsewhere);
+  finder.update_elements(positions);
+  finder.update_faces();
+  expect_identical(c, finder.find_paths(c.queries), "refit in two halves, the second of them once for two poses");
 }
 
 // Answers of the mesh moved by an exact map of space; distances multiplied by `factor`, to `tolerance`.

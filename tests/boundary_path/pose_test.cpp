@@ -202,13 +202,15 @@ void check_updates(const PosedFamily<D>& c) {
   for (auto& x : elsewhere) x = (x * 0.25).reverse().eval();
   Pose<D> pose(c.mesh, c.topology);
   pose.rebuild(elsewhere);
-  pose.update(c.family.mesh.positions);
+  pose.update_elements(c.family.mesh.positions);
+  pose.update_faces();
   expect_same(pose, c.pose);
   for (const std::size_t threads : {1, 2, 4}) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
     Pose<D> other(c.mesh, c.topology);
     other.rebuild(c.family.mesh.positions);
-    other.update(c.family.mesh.positions);
+    other.update_elements(c.family.mesh.positions);
+    other.update_faces();
     expect_same(other, c.pose);
     EXPECT_EQ(
         std::memcmp(other.faces().nodes().data(), c.pose.faces().nodes().data(), c.pose.faces().nodes().size_bytes()),

@@ -86,6 +86,11 @@ class BoundaryPathFinder {
   /// Takes a new pose: refits the hierarchies in O(n), and rebuilds one whose quality has become poor.
   void update(std::span<const Vec<D>> positions);
 
+  /// The same in two halves, for poses in which next to nothing is asked of the boundary: without the second all but
+  /// find_paths() and find_faces_near() may be asked, which throw.
+  void update_elements(std::span<const Vec<D>> positions);
+  void update_faces();
+
   /// Takes a new pose and builds the hierarchies anew.
   void rebuild(std::span<const Vec<D>> positions);
 
