@@ -75,6 +75,7 @@ nlohmann::ordered_json json_of(const ResolveIteration& row) {
           {"penetrating_edges", row.penetrating_edges},
           {"penetrating_centroids", row.penetrating_centroids},
           {"blocked_points", row.blocked_points},
+          {"waiting_points", row.waiting_points},
           {"inverted_elements", row.inverted_elements},
           {"deepest", row.deepest},
           {"total_depth", row.total_depth},

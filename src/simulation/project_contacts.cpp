@@ -1,7 +1,6 @@
 #include "simulation/project_contacts.h"
 
 #include "selvage/core/parallel.h"
-#include "selvage/geometry/predicates.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +10,7 @@ namespace selvage {
 
 namespace {
 
-constexpr std::int64_t kElementGrain = 1024;
+constexpr std::int64_t kVertexGrain = 1024;
 /// Part of a vertex's shortest edge that a point inside a body is sent at a time.
 constexpr double kVertexReach = 0.25;
 
@@ -111,24 +110,6 @@ struct MovingObstacle {
 
 }  // namespace
 
-void leave_out_inverted(const TetMesh& mesh, std::span<const Vec3> start, std::vector<Contact>& contacts) {
-  const auto elements = mesh.elements();
-  std::vector<std::uint8_t> is_inverted(elements.size());
-  parallel_for(std::ssize(elements), kElementGrain, [&](std::int64_t e) {
-    const auto& [a, b, c, d] = elements[e];
-    is_inverted[e] = orientation(std::array{start[a], start[b], start[c], start[d]}) < 0;
-  });
-  std::vector<Index> turned;
-  for (std::size_t e = 0; e < elements.size(); ++e)
-    if (is_inverted[e]) turned.insert(turned.end(), elements[e].begin(), elements[e].end());
-  if (turned.empty()) return;
-  std::sort(turned.begin(), turned.end());
-  std::erase_if(contacts, [&](const Contact& contact) {
-    return std::any_of(contact.vertices.begin(), contact.vertices.begin() + contact.count,
-                       [&](Index v) { return std::binary_search(turned.begin(), turned.end(), v); });
-  });
-}
-
 std::vector<double> reaches_of(const Model& model) {
   std::vector<double> reaches(model.mesh.vertex_count(), 0);
   for (const auto& element : model.mesh.elements())
@@ -163,7 +144,7 @@ std::int64_t project_obstacles(std::span<const Obstacle> obstacles, double from,
     moving.push_back({obstacle, obstacle.motion.at(from), obstacle.motion.at(to)});
   if (moving.empty()) return 0;
   const auto count =
-      parallel_reduce<Count>(std::ssize(start), kElementGrain, [&](std::int64_t first, std::int64_t last, Count& hits) {
+      parallel_reduce<Count>(std::ssize(start), kVertexGrain, [&](std::int64_t first, std::int64_t last, Count& hits) {
         for (std::int64_t v = first; v < last; ++v)
           if (vertices[v].inverse_mass > 0)
             for (std::size_t o = 0; o < moving.size(); ++o)

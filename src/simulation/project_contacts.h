@@ -26,11 +26,6 @@ inline constexpr double kContactGap = 0.01;
 void project_contacts(std::span<const Contact> contacts, std::span<const Vec3> start, std::span<const double> reaches,
                       const Friction& friction, std::span<Grip> grips, std::span<VertexRow> vertices);
 
-/// Takes out contacts that have a vertex of an element which is inverted at the start of the step: they have to wait
-/// until the material has turned it back. The surface of such elements lies where it should not, and contacts would
-/// hold it there.
-void leave_out_inverted(const TetMesh& mesh, std::span<const Vec3> start, std::vector<Contact>& contacts);
-
 /// For each vertex a part of its shortest edge [m]; 0 without an element.
 std::vector<double> reaches_of(const Model& model);
 

@@ -123,13 +123,11 @@ void Relaxation::wake_neighbours() {
   for (const Index v : woken) wake(v);
 }
 
-/// Contacts after the material, so that these have the last word. What is inside out has no outside: contacts there
-/// wait until it is turned, for they would hold it so.
+/// Contacts after the material, so that these have the last word.
 void Relaxation::relax() {
   std::vector<Contact> contacts;
   for (const HeldContact& held : held_) contacts.push_back(held.contact);
   contacts = find_agreeing_contacts(mesh_, contacts);
-  leave_out_inverted(mesh_, positions_, contacts);
   for (int pass = 0; pass < kPasses; ++pass) {
     for (int i = 0; i < kMaterialPasses; ++i) material_.solve(vertices_, {}, 0, 1);
     push_apart(contacts, push_, vertices_);

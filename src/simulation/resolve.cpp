@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 namespace selvage {
@@ -62,6 +63,13 @@ class Resolver {
   void fill_report(ResolveReport& report) const;
   std::vector<Index> find_tangled_elements() const;
 
+  /// The least of each number, and the most vertices that were awake.
+  struct Best {
+    double triangle_pairs = HUGE_VAL, penetrating_vertices = HUGE_VAL, total_depth = HUGE_VAL;
+    double inverted_elements = HUGE_VAL;
+    double awake_vertices = 0;
+  };
+
   const TetMesh& mesh_;
   const ResolveOptions& options_;
   std::vector<Vec3>& positions_;
@@ -69,7 +77,7 @@ class Resolver {
   std::optional<Relaxation> body_;
   TangleFinder tangle_;
   bool has_yielded_ = false;
-  std::optional<ResolveIteration> best_;  ///< the least of each number
+  Best best_;
 };
 
 ResolveIteration Resolver::measure(int iteration) {
@@ -82,30 +90,27 @@ ResolveIteration Resolver::measure(int iteration) {
   return now;
 }
 
-/// Whether anything that is wrong has become less than it ever was.
+/// Whether anything that is wrong has become less than it ever was. While points wait, not all that is inside is known.
 bool Resolver::has_improved(const ResolveIteration& now) {
-  if (!best_) {
-    best_ = now;
-    return true;
-  }
   bool improved = false;
-  const auto compare = [&](auto& best, auto value) {
-    if (!(static_cast<double>(value) < (1 - kProgress) * static_cast<double>(best))) return;
-    best = value;
+  const auto compare = [&](double& best, auto value) {
+    if (!(static_cast<double>(value) < (1 - kProgress) * best)) return;
+    best = static_cast<double>(value);
     improved = true;
   };
-  compare(best_->triangle_pairs, now.triangle_pairs);
-  compare(best_->penetrating_vertices, now.penetrating_vertices);
-  compare(best_->total_depth, now.total_depth);
-  compare(best_->inverted_elements, now.inverted_elements);
+  compare(best_.triangle_pairs, now.triangle_pairs);
+  compare(best_.inverted_elements, now.inverted_elements);
+  if (now.waiting_points > 0) return improved;
+  compare(best_.penetrating_vertices, now.penetrating_vertices);
+  compare(best_.total_depth, now.total_depth);
   return improved;
 }
 
 /// Whether more of the mesh gives way than ever.
 bool Resolver::has_spread(const ResolveIteration& now) {
-  if (!((1 - kProgress) * static_cast<double>(now.awake_vertices) > static_cast<double>(best_->awake_vertices)))
-    return false;
-  best_->awake_vertices = now.awake_vertices;
+  const auto awake = static_cast<double>(now.awake_vertices);
+  if (!((1 - kProgress) * awake > best_.awake_vertices)) return false;
+  best_.awake_vertices = awake;
   return true;
 }
 
@@ -175,7 +180,7 @@ ResolveOutcome Resolver::untangle(ResolveReport& report) {
     if (waited >= options_.patience) return ResolveOutcome::kStuck;
     if (iteration - last_better >= kYield && may_start_anew()) {
       positions_ = input_;
-      best_.reset();
+      best_ = {};
       body_.emplace(mesh_, positions_, input_, input_, options_);
       has_yielded_ = true;
       continue;

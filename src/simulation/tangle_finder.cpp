@@ -10,6 +10,7 @@ ContactOptions all_points() {
   ContactOptions options;
   options.mode = DetectionMode::kDcd;
   options.interior_points = true;
+  options.wait_for_inverted = true;  // what is inside out has no outside
   return options;
 }
 
@@ -28,6 +29,7 @@ ResolveIteration TangleFinder::measure(std::span<const Vec3> positions) {
   ResolveIteration now;
   now.triangle_pairs = std::ssize(pairs_);
   now.blocked_points = contact_finder_.statistics().blocked_paths;
+  now.waiting_points = contact_finder_.statistics().waiting_points;
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const double depth = std::max(0.0, -gap_of(contacts_[i], positions));
     now.deepest = std::max(now.deepest, depth);

@@ -114,22 +114,6 @@ TEST(Projection, KeepsWhatMeetsASurfaceInFrontOfIt) {
   }
 }
 
-TEST(Projection, LeavesOutWhatTouchesAnInvertedElement) {
-  const TetMesh mesh(8, {{0, 1, 2, 3}, {4, 5, 6, 7}});
-  std::vector<Vec3> start{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 3}, {1, 0, 3}, {0, 1, 3}, {0, 0, 4}};
-  Contact inner, outer;
-  inner.count = outer.count = 2;
-  inner.vertices = {0, 1};
-  outer.vertices = {2, 7};
-  std::vector<Contact> contacts{inner, outer};
-  leave_out_inverted(mesh, start, contacts);
-  EXPECT_EQ(contacts.size(), 2);
-  start[7] = {0, 0, 2};
-  leave_out_inverted(mesh, start, contacts);
-  ASSERT_EQ(contacts.size(), 1);
-  EXPECT_EQ(contacts[0].vertices, inner.vertices);
-}
-
 TEST(Projection, LeavesWhatIsOutsideAlone) {
   Scratch scratch({1, 1, 1, 1}, {0.2, 0.3, 0.5}, -0.1);
   scratch.project({1, 1});

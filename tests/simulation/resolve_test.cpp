@@ -160,6 +160,8 @@ TEST(Resolve, TurnsWhatIsInsideOutByTheRestThatIsGiven) {
     mesh.positions[v] += 0.08 * Vec3(std::sin(7.0 * static_cast<double>(v)), std::cos(5.0 * static_cast<double>(v)), 0);
   const Resolved r = resolve(mesh, options);
   EXPECT_GT(r.report.iterations.front().inverted_elements, 50);
+  EXPECT_GT(r.report.iterations.front().waiting_points, 0);
+  EXPECT_EQ(r.report.iterations.back().waiting_points, 0);
   expect_resolved(r);
   EXPECT_LT(r.report.elastic_energy_after, r.report.elastic_energy_before);
 }

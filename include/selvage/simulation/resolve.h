@@ -15,6 +15,8 @@ struct ResolveIteration {
   /// that is inside, centroids of elements.
   std::int64_t penetrating_vertices = 0, penetrating_edges = 0, penetrating_centroids = 0;
   std::int64_t blocked_points = 0;  ///< pairs of a point and an element that have no way out
+  /// Such pairs at elements that are inverted: they are neither asked for their way out nor counted above.
+  std::int64_t waiting_points = 0;
   std::int64_t inverted_elements = 0;
   double deepest = 0;               ///< longest way out [m]
   double total_depth = 0;           ///< sum over all points of their ways out [m]
