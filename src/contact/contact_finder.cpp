@@ -5,11 +5,11 @@
 #include "contact/impact_contacts.h"
 #include "contact/penetration_search.h"
 #include "contact/tangles.h"
+#include "contact/turned_vertices.h"
 #include "core/timed.h"
 #include "mesh/position_extent.h"
 #include "selvage/core/error.h"
 #include "selvage/core/parallel.h"
-#include "selvage/geometry/predicates.h"
 
 #include <fmt/format.h>
 
@@ -64,7 +64,7 @@ struct ContactFinder::State {
   std::vector<Index> inside;  ///< features of the search that penetrate at the start of the step
   std::vector<std::uint8_t> is_inside;
   std::vector<Index> inside_vertices, inside_edges;
-  std::vector<Index> turned;  ///< vertices of elements that are inverted at the start, ascending
+  TurnedVertices turned;      ///< at the start of the step
   std::vector<Index> pieces;  ///< connected component of each element; where whole tangles wait
   ContactStatistics statistics;
 
@@ -81,9 +81,6 @@ struct ContactFinder::State {
 
   void begin_step(std::span<const Vec3> positions);
   void split_features();
-  void find_turned_vertices();
-  template <typename Weights>
-  bool has_turned(std::span<const Index> vertices, const Weights& weights) const;
   void find_contacts(std::span<const Vec3> positions, std::vector<Contact>& contacts);
   std::vector<PenetratingPoint> find_boundary_points(std::span<const Vec3> positions);
   void append_interior_points(std::span<const Vec3> positions, std::vector<PenetratingPoint>& points) const;
@@ -120,7 +117,9 @@ void ContactFinder::State::begin_step(std::span<const Vec3> positions) {
   statistics = {};
   positions_t0.assign(positions.begin(), positions.end());
   if (splits()) split_features();
-  if (options.wait_for_inverted) find_turned_vertices();
+  if (!options.wait_for_inverted) return;
+  turned = splits() ? TurnedVertices(mesh, positions_t0, search->paths().defective_elements())
+                    : TurnedVertices(mesh, positions_t0);
 }
 
 void ContactFinder::State::split_features() {
@@ -143,35 +142,6 @@ void ContactFinder::State::split_features() {
   });
   statistics.penetrating_vertices = std::ssize(inside_vertices);
   statistics.penetrating_edges = std::ssize(inside_edges);
-}
-
-/// Where the search has been placed it knows them.
-void ContactFinder::State::find_turned_vertices() {
-  const auto is_inverted = [&](Index e) { return orientation(corners_of(mesh.elements()[e], positions_t0)) < 0; };
-  std::vector<Index> inverted;
-  if (splits()) {
-    const auto defective = search->paths().defective_elements();
-    std::copy_if(defective.begin(), defective.end(), std::back_inserter(inverted), is_inverted);
-  } else {
-    std::vector<std::uint8_t> is_listed(mesh.element_count());
-    parallel_for(mesh.element_count(), kContactGrain,
-                 [&](std::int64_t e) { is_listed[e] = is_inverted(static_cast<Index>(e)); });
-    for (Index e = 0; e < mesh.element_count(); ++e)
-      if (is_listed[e] != 0) inverted.push_back(e);
-  }
-  turned.clear();
-  for (const Index e : inverted) turned.insert(turned.end(), mesh.elements()[e].begin(), mesh.elements()[e].end());
-  std::sort(turned.begin(), turned.end());
-  turned.erase(std::unique(turned.begin(), turned.end()), turned.end());
-}
-
-/// Of vertices with a weight: a point of an edge has nothing to do with the face's third vertex.
-template <typename Weights>
-bool ContactFinder::State::has_turned(std::span<const Index> vertices, const Weights& weights) const {
-  if (turned.empty()) return false;
-  for (std::size_t i = 0; i < vertices.size(); ++i)
-    if (weights[i] != 0 && std::binary_search(turned.begin(), turned.end(), vertices[i])) return true;
-  return false;
 }
 
 std::vector<PenetratingPoint> ContactFinder::State::find_boundary_points(std::span<const Vec3> positions) {
@@ -242,7 +212,7 @@ std::vector<std::uint8_t> ContactFinder::State::leave_out_waiting(std::vector<Pe
   if (turned.empty()) return waits;
   waits.assign(number_tangles(mesh, pieces, points), 0);
   for (const PenetratingPoint& p : points)
-    if (has_turned(std::span(p.vertices).first(p.count), p.weights)) waits[p.tangle] = 1;
+    if (turned.has_any(std::span(p.vertices).first(p.count), p.weights)) waits[p.tangle] = 1;
   statistics.waiting_points += std::erase_if(points, [&](const PenetratingPoint& p) { return waits[p.tangle] != 0; });
   return waits;
 }
@@ -254,7 +224,8 @@ void ContactFinder::State::append_ways_out(std::span<const Vec3> positions, std:
   const std::vector<BoundaryPath<3>> found = find_ways_out(points, positions);
   statistics.path_queries += std::ssize(points);
   for (std::size_t i = 0; i < points.size(); ++i)
-    if (found[i].status == PathStatus::kFound && has_turned(mesh.boundary_faces()[found[i].face], found[i].barycentric))
+    if (found[i].status == PathStatus::kFound &&
+        turned.has_any(mesh.boundary_faces()[found[i].face], found[i].barycentric))
       waits[points[i].tangle] = 1;
   std::size_t first = contacts.size();  // of those of the same point
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -301,7 +272,7 @@ void ContactFinder::State::append_impacts_of_step(std::span<const Vec3> position
   append_impacts<EdgeEdgePair>(pairs.edge_edge, edge_times,
                                first_impacts(pairs.edge_edge, edge_times, surface.edge_count()), contacts,
                                [&](auto pair, double time) { return edge_edge_contact(step, pair, time); });
-  const auto waits = [&](const Contact& c) { return has_turned(std::span(c.vertices).first(c.count), c.weights); };
+  const auto waits = [&](const Contact& c) { return turned.has_any(std::span(c.vertices).first(c.count), c.weights); };
   contacts.erase(std::remove_if(contacts.begin() + first, contacts.end(), waits), contacts.end());
 }
 
