@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -34,19 +35,18 @@ constexpr double kCalmSteps = 8;
 
 using Frame = Eigen::Matrix3d;
 
-/// Axes that turn with a triangle of the star, in columns; orthonormal, and nothing where the triangle is so thin that
-/// they would not be. Which ones does not matter.
-std::optional<Frame> frame_of(const VertexTuple<3>& triangle, Index vertex, std::span<const Vec3> positions) {
-  const int k = triangle[0] == vertex ? 0 : triangle[1] == vertex ? 1 : 2;
-  const Vec3 along = positions[triangle[(k + 1) % 3]] - positions[vertex];
-  const Vec3 across = along.cross(positions[triangle[(k + 2) % 3]] - positions[vertex]);
+/// Axes that turn with a triangle, given by its corners, in columns; orthonormal, and nothing where the triangle is so
+/// thin that they would not be. Which ones does not matter. Where squares keep their digits the first two have length
+/// one, and if these are at right angles, all are.
+std::optional<Frame> frame_of(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 along = b - a, across = along.cross(c - a);
   const double length = along.norm(), area = across.norm();
-  if (!(length > 0) || !(area > 0)) return std::nullopt;
+  if (!(length > kLeastSize && length < kMostSize)) return std::nullopt;
+  if (!(area > kLeastSize * kLeastSize && area < kMostSize * kMostSize)) return std::nullopt;
+  const Vec3 first = 1 / length * along, second = 1 / area * across;
+  if (!(std::abs(first.dot(second)) < kOrthonormal)) return std::nullopt;
   Frame frame;
-  frame.col(0) = along / length;
-  frame.col(1) = across / area;
-  frame.col(2) = frame.col(0).cross(frame.col(1));
-  if (!((frame.transpose() * frame - Frame::Identity()).cwiseAbs().maxCoeff() < kOrthonormal)) return std::nullopt;
+  frame << first, second, first.cross(second);
   return frame;
 }
 
@@ -80,6 +80,10 @@ StillStars::StillStars(const TriangleMesh& mesh)
         if (w != v) around_.push_back(w);
     std::sort(around_.begin() + begin, around_.end());
     around_.erase(std::unique(around_.begin() + begin, around_.end()), around_.end());
+    // Those of a triangle first, for the axes.
+    if (const auto triangles = mesh.vertex_triangles(v); !triangles.empty())
+      std::stable_partition(around_.begin() + begin, around_.end(),
+                            [&](Index w) { return contains(mesh.triangles()[triangles.front()], w); });
     first_[v + 1] = static_cast<Index>(around_.size());
     if (mesh.vertex_triangles(v).size() > 1) middles_.push_back(v);
   }
@@ -117,7 +121,8 @@ double StillStars::separation(Index vertex, std::span<const Vec3> positions) con
 }
 
 void StillStars::measure(Index vertex, std::span<const Vec3> positions) {
-  const auto frame = frame_of(mesh_.triangles()[mesh_.vertex_triangles(vertex).front()], vertex, positions);
+  const auto frame =
+      frame_of(positions[vertex], positions[around_[first_[vertex]]], positions[around_[first_[vertex] + 1]]);
   stars_[vertex].reach = 0;
   if (!frame) return;
   stars_[vertex].reach = 0.5 * separation(vertex, positions);
@@ -131,7 +136,8 @@ bool StillStars::is_within_reach(Index vertex, std::span<const Vec3> positions_t
                                  std::span<const Vec3> positions_t1) const {
   const double reach = stars_[vertex].reach;
   if (!(reach > 0)) return false;
-  const auto frame = frame_of(mesh_.triangles()[mesh_.vertex_triangles(vertex).front()], vertex, positions_t0);
+  const auto frame =
+      frame_of(positions_t0[vertex], positions_t0[around_[first_[vertex]]], positions_t0[around_[first_[vertex] + 1]]);
   if (!frame) return false;
   double farthest = 0;
   for (Index i = first_[vertex]; i < first_[vertex + 1]; ++i) {

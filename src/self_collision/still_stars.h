@@ -55,7 +55,7 @@ class StillStars {
 
   const TriangleMesh& mesh_;
   std::vector<Index> middles_;         ///< vertices with at least two triangles
-  std::vector<Index> first_, around_;  ///< per vertex the other vertices of its star
+  std::vector<Index> first_, around_;  ///< per vertex the others of its star, first two that share a triangle with it
   std::vector<Vec3> shape_;            ///< for each of them where it lay when measured, in the frame of the star
   std::vector<Star> stars_;            ///< per vertex
   std::vector<std::uint8_t> is_open_;  ///< per vertex
