@@ -46,6 +46,7 @@ std::optional<fs::path> find_bench_program() {
 int run_program(const fs::path& program, std::vector<std::string> words, bool quiet) {
   words.insert(words.begin(), program.string());
   std::vector<char*> pointers;
+  pointers.reserve(words.size() + 1);
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
 

@@ -20,9 +20,10 @@ void take_large_pages() {
   const auto begin = reinterpret_cast<std::uintptr_t>(sbrk(0));
   void* volatile block = std::malloc(1 << 20);  // the heap grows; volatile, or compilers leave both out
   std::free(block);
-  const auto end = reinterpret_cast<std::uintptr_t>(sbrk(0));
+  auto* const top = static_cast<char*>(sbrk(0));
+  const auto end = reinterpret_cast<std::uintptr_t>(top);
   const std::uintptr_t first = (begin + kLargePage - 1) / kLargePage * kLargePage;
-  if (first < end) madvise(reinterpret_cast<void*>(first), end - first, MADV_HUGEPAGE);
+  if (first < end) madvise(top - (end - first), end - first, MADV_HUGEPAGE);
 #endif
 }
 

@@ -44,7 +44,7 @@ PositionExtent<D> check_positions(std::span<const Vec<D>> positions, Index verte
   if (std::ssize(positions) != vertex_count)
     throw Error("positions", fmt::format("{} positions for {} vertices", positions.size(), vertex_count),
                 "give one position per vertex");
-  const PositionExtent<D> extent = extent_of(positions);
+  PositionExtent<D> extent = extent_of(positions);
   if (!extent.finite)
     for (std::size_t v = 0; v < positions.size(); ++v)
       if (!positions[v].allFinite())

@@ -21,7 +21,7 @@ Axes principal_axes(std::span<const Vec3> points, const Vec3& centre) {
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const Vec3& p : points) spread += (p - centre) * (p - centre).transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
-  const Eigen::Vector3d values = solver.eigenvalues();
+  const Eigen::Vector3d& values = solver.eigenvalues();
   return {solver.eigenvectors().col(2), solver.eigenvectors().col(0), values[0] < 0.6 * values[1]};
 }
 
@@ -35,7 +35,7 @@ Vec3 choose_sign(const Vec3& axis) {
 
 }  // namespace
 
-void Camera::choose_axes(std::span<const Vec3> points, std::optional<Vec3> towards) {
+void Camera::choose_axes(std::span<const Vec3> points, const std::optional<Vec3>& towards) {
   Vec3 centre = Vec3::Zero();
   for (const Vec3& p : points) centre += p / static_cast<double>(points.size());
   Vec3 up = Vec3::UnitZ();
@@ -54,7 +54,7 @@ void Camera::choose_axes(std::span<const Vec3> points, std::optional<Vec3> towar
   down_ = forward_.cross(right_);
 }
 
-Camera::Camera(std::span<const Vec3> points, std::optional<Vec3> towards, const Frame& frame) {
+Camera::Camera(std::span<const Vec3> points, const std::optional<Vec3>& towards, const Frame& frame) {
   choose_axes(points, towards);
   Vec3 lower = points[0], upper = points[0];
   for (const Vec3& p : points) {

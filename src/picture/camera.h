@@ -17,11 +17,10 @@ class Camera {
   /// A camera that shows all points as large as the frame allows.
   ///
   /// @param points   what must be seen; at least one
-  /// @param towards  direction from the points to the eye; without it the points are seen from the side where they
-  /// spread
+  /// @param towards  direction from the points to the eye; without it they are seen from the side where they spread
   ///                 most, a little from above
   /// @param frame    where on the picture they shall be
-  Camera(std::span<const Vec3> points, std::optional<Vec3> towards, const Frame& frame);
+  Camera(std::span<const Vec3> points, const std::optional<Vec3>& towards, const Frame& frame);
 
   /// Place on the picture (x, y) [pixels] and distance from the eye along the line of sight [m].
   Vec3 project(const Vec3& p) const;
@@ -36,7 +35,7 @@ class Camera {
   double scene_radius() const { return radius_; }
 
  private:
-  void choose_axes(std::span<const Vec3> points, std::optional<Vec3> towards);
+  void choose_axes(std::span<const Vec3> points, const std::optional<Vec3>& towards);
 
   Vec3 right_, down_, forward_, eye_;
   double focal_ = 1, radius_ = 1;

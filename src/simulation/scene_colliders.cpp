@@ -13,7 +13,7 @@ PlaneShape read_plane(JsonObject& object) {
 }
 
 BoxContainer read_box(JsonObject& object) {
-  const BoxContainer box{object.get("min").vector(), object.get("max").vector()};
+  BoxContainer box{object.get("min").vector(), object.get("max").vector()};
   if (!(box.lower.array() < box.upper.array()).all()) object.value().fail("has no inside", "use a min below the max");
   return box;
 }

@@ -56,6 +56,7 @@ Material find_material(const JsonValue& value, const std::map<std::string, Mater
   const auto found = named.find(value.text());
   if (found != named.end()) return found->second;
   std::vector<std::string> names;
+  names.reserve(named.size());
   for (const auto& [name, ignored] : named)
     names.push_back(Json(name).dump(-1, ' ', true, Json::error_handler_t::replace));
   value.fail("there is no material of that name",

@@ -77,7 +77,8 @@ struct XpbdSolver::Parts {
   std::vector<VertexRow> start;      ///< the same at the start of the step, where it is needed
   StepStatistics statistics;
 
-  Parts(const Model& m, const State& initial, std::vector<Handle> h, std::span<const Collider> colliders, XpbdOptions o)
+  Parts(const Model& m, const State& initial, std::vector<Handle> h, std::span<const Collider> colliders,
+        const XpbdOptions& o)
       : model(m),
         options(o),
         handles(std::move(h)),
@@ -213,7 +214,7 @@ struct XpbdSolver::Parts {
 };
 
 XpbdSolver::XpbdSolver(const Model& model, const State& initial, std::vector<Handle> handles,
-                       std::vector<Collider> colliders, XpbdOptions options) {
+                       std::vector<Collider> colliders, const XpbdOptions& options) {
   check_options(options);
   check_state(model, initial);
   check_handles(model, handles);

@@ -44,7 +44,7 @@ class XpbdSolver {
   /// @param initial  where handles start: the state at time 0, also where a run is continued from a later one
   /// @throws Error   when a size, an index, a handle, a collider or an option is impossible; it names which
   XpbdSolver(const Model& model, const State& initial, std::vector<Handle> handles, std::vector<Collider> colliders,
-             XpbdOptions options);
+             const XpbdOptions& options);
   ~XpbdSolver();
   XpbdSolver(XpbdSolver&&) noexcept;
   XpbdSolver& operator=(XpbdSolver&&) noexcept;
