@@ -60,6 +60,13 @@ struct BlockRows {
 };
 static_assert(sizeof(BlockRows::Row) == sizeof(double) * kRowLength);
 
+/// How a constraint moves the vertices of its element: against its gradients (those of vertices 1 to 3 given, of 0
+/// their sum the other way), by inverse mass.
+struct Change {
+  Wide3 gradients[3], sum;
+  WideDouble scale;
+};
+
 /// The vertices of as many elements as there are lanes.
 struct Corners {
   WideDouble x[4][4];  ///< position and inverse mass
@@ -94,14 +101,12 @@ struct Corners {
       for (int i = 0; i < 3; ++i) edges[k][i] = x[k + 1][i] - x[0][i];
   }
 
-  /// Moves vertices against the gradients (those of vertices 1 to 3 given, of 0 their sum the other way), by inverse
-  /// mass.
-  SELVAGE_INLINE void move(const Wide3 (&gradients)[3], const Wide3& sum, WideDouble scale) {
-    const WideDouble first_scale = scale * x[0][3];
-    for (int i = 0; i < 3; ++i) x[0][i] = x[0][i] + first_scale * sum[i];
+  SELVAGE_INLINE void move(const Change& by) {
+    const WideDouble first_scale = by.scale * x[0][3];
+    for (int i = 0; i < 3; ++i) x[0][i] = x[0][i] + first_scale * by.sum[i];
     for (int k = 0; k < 3; ++k) {
-      const WideDouble own_scale = scale * x[k + 1][3];
-      for (int i = 0; i < 3; ++i) x[k + 1][i] = x[k + 1][i] - own_scale * gradients[k][i];
+      const WideDouble own_scale = by.scale * x[k + 1][3];
+      for (int i = 0; i < 3; ++i) x[k + 1][i] = x[k + 1][i] - own_scale * by.gradients[k][i];
     }
   }
 
@@ -151,18 +156,35 @@ class ElementSolver {
     share_ = constant(1 + step.damping);
   }
 
-  /// Two parts of a batch, the first constraint of both before the second of either. A constraint ends in a chain of
-  /// operations that wait for one another, and the processor looks only so far ahead for what it can do meanwhile: what
-  /// comes next must not wait for that chain, too.
+  /// Two parts of a batch, in turns. A constraint ends in a chain of operations that wait for one another, and the
+  /// processor looks only so far ahead for what it can do meanwhile: what comes next must not wait for that chain, too.
+  /// So vertices move only after something of the other part.
   SELVAGE_INLINE void solve(ElementBatch& batch, int first_part, int second_part) const {
     Elements a(rows_, batch, first_part);
-    if constexpr (kDeviatoric) solve_deviatoric(a);
+    Change of_a, of_b;
+    if constexpr (kDeviatoric) find_deviatoric(a, of_a);
     Elements b(rows_, batch, second_part);
-    if constexpr (kDeviatoric) solve_deviatoric(b);
-    solve_hydrostatic(a);
-    a.corners.store(rows_.of_now(), batch, first_part);  // at once, from registers
-    solve_hydrostatic(b);
-    b.corners.store(rows_.of_now(), batch, second_part);
+    if constexpr (kDeviatoric) {
+      a.corners.move(of_a);
+      find_deviatoric(b, of_b);
+    }
+    find_hydrostatic(a, of_a);
+    if constexpr (kDeviatoric) b.corners.move(of_b);
+    finish(a, of_a);
+    find_hydrostatic(b, of_b);
+    finish(b, of_b);
+  }
+
+  /// One part alone. Not inlined: that would cost the other registers.
+  [[gnu::noinline]] void solve(ElementBatch& batch, int part) const {
+    Elements a(rows_, batch, part);
+    Change change;
+    if constexpr (kDeviatoric) {
+      find_deviatoric(a, change);
+      a.corners.move(change);
+    }
+    find_hydrostatic(a, change);
+    finish(a, change);
   }
 
  private:
@@ -204,12 +226,13 @@ class ElementSolver {
   }
 
   // With S = C^2 and q = C grad C, the gradient of S / 2, all is multiplied by C, so that nothing is divided by it.
-  SELVAGE_INLINE void solve_deviatoric(Elements& of) const {
+  SELVAGE_INLINE void find_deviatoric(const Elements& of, Change& change) const {
     ElementBatch& batch = of.batch;
     const int part = of.part;
     const auto gram = [&](int i) { return WideDouble::load(batch.gram[i] + part); };
     constexpr int kPlace[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
-    Wide3 edges[3], areas[3], gradients[3], sum;
+    auto& [gradients, sum, scale] = change;
+    Wide3 edges[3], areas[3];
     of.corners.list_edges(edges);
     list_areas(edges, areas);
     const WideDouble inverse_volume = WideDouble::load(batch.inverse_volume + part);
@@ -232,15 +255,15 @@ class ElementSolver {
     const WideDouble stiffness = weigh_gradients(of.corners, gradients, sum);
     const WideDouble denominator = (kDamped ? share_ * stiffness : stiffness) + squared * compliance +
                                    constant(0.25) * (residual * residual) * of.weight;
-    const WideDouble scale = residual / denominator;
+    scale = residual / denominator;
     reduce_multiplier(batch.multipliers[0] + part, scale * value);
-    of.corners.move(gradients, sum, scale);
   }
 
-  SELVAGE_INLINE void solve_hydrostatic(Elements& of) const {
+  SELVAGE_INLINE void find_hydrostatic(const Elements& of, Change& change) const {
     ElementBatch& batch = of.batch;
     const int part = of.part;
-    Wide3 edges[3], areas[3], sum;
+    auto& [areas, sum, scale] = change;
+    Wide3 edges[3];
     of.corners.list_edges(edges);
     list_areas(edges, areas);
     add_up(areas, sum);
@@ -253,9 +276,14 @@ class ElementSolver {
     const WideDouble stiffness = inverse_volume * inverse_volume * weigh_gradients(of.corners, areas, sum);
     const WideDouble denominator =
         (kDamped ? share_ * stiffness : stiffness) + compliance + constant(0.25) * (residual * residual) * of.weight;
-    const WideDouble scale = residual / max(denominator, constant(kLeastDenominator));
-    reduce_multiplier(batch.multipliers[1] + part, scale);
-    of.corners.move(areas, sum, scale * inverse_volume);
+    const WideDouble by = residual / max(denominator, constant(kLeastDenominator));
+    reduce_multiplier(batch.multipliers[1] + part, by);
+    scale = by * inverse_volume;
+  }
+
+  SELVAGE_INLINE void finish(Elements& of, const Change& change) const {
+    of.corners.move(change);
+    of.corners.store(rows_.of_now(), of.batch, of.part);  // at once, from registers
   }
 
   SELVAGE_INLINE static void reduce_multiplier(double* multiplier, WideDouble by) {
@@ -342,8 +370,14 @@ void solve_block(const MaterialTask& task, const MaterialBlock& block, Index nex
   const auto solve_elements = [&](const auto& solver) {
     for (Index n = block.first_element_batch; n < block.last_element_batch; ++n) {
       fetcher.fetch(n);
-      for (int part = 0; part < kBatch; part += 2 * WideDouble::kLanes)
-        solver.solve(task.elements[n], part, part + WideDouble::kLanes);
+      ElementBatch& batch = task.elements[n];
+      // Places of a batch are filled from the first on.
+      const auto has_elements = [&](int part) { return batch.rows[0][part] < kRowLength * vertices.size(); };
+      for (int part = 0; part < kBatch && has_elements(part); part += 2 * WideDouble::kLanes)
+        if (const int second_part = part + WideDouble::kLanes; has_elements(second_part))
+          solver.solve(batch, part, second_part);
+        else
+          solver.solve(batch, part);
     }
   };
   if (step.kind == MaterialKind::kNeoHookean)

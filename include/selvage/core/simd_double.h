@@ -33,32 +33,32 @@ SELVAGE_INLINE WideDouble select_less(WideDouble a, WideDouble b, WideDouble x, 
   return {_mm512_mask_blend_pd(_mm512_cmp_pd_mask(a.v, b.v, _CMP_LT_OQ), y.v, x.v)};
 }
 
-/// Its own inverse, with rows i and i + 4 in the two halves of register i.
-SELVAGE_INLINE void transpose_rows(const __m512d (&r)[4], __m512d (&c)[4]) {
-  const __m512i even = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13), odd = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
-  const __m512d ab_low = _mm512_maskz_unpacklo_pd(0xff, r[0], r[1]),
-                ab_high = _mm512_maskz_unpackhi_pd(0xff, r[0], r[1]);
-  const __m512d cd_low = _mm512_maskz_unpacklo_pd(0xff, r[2], r[3]),
-                cd_high = _mm512_maskz_unpackhi_pd(0xff, r[2], r[3]);
-  c[0] = _mm512_permutex2var_pd(ab_low, even, cd_low);
-  c[1] = _mm512_permutex2var_pd(ab_high, even, cd_high);
-  c[2] = _mm512_permutex2var_pd(ab_low, odd, cd_low);
-  c[3] = _mm512_permutex2var_pd(ab_high, odd, cd_high);
-}
 template <typename Offset>
 SELVAGE_INLINE void load_rows(const double* rows, const Offset* offsets, WideDouble (&column)[4]) {
-  __m512d r[4], c[4];
-  for (int i = 0; i < 4; ++i)
-    r[i] = _mm512_maskz_insertf64x4(0xff, _mm512_castpd256_pd512(_mm256_loadu_pd(rows + offsets[i])),
-                                    _mm256_loadu_pd(rows + offsets[i + 4]), 1);
-  transpose_rows(r, c);
-  for (int k = 0; k < 4; ++k) column[k].v = c[k];
+  // Rows i and i + 2 in the two halves of a register: then quarters come together in their order.
+  const auto load_two = [&](int i) {
+    return _mm512_mask_broadcast_f64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(rows + offsets[i])), 0xf0,
+                                       _mm256_loadu_pd(rows + offsets[i + 2]));
+  };
+  const __m512d a = load_two(0), b = load_two(1), c = load_two(4), d = load_two(5);
+  const __m512d ab_low = _mm512_maskz_unpacklo_pd(0xff, a, b), ab_high = _mm512_maskz_unpackhi_pd(0xff, a, b);
+  const __m512d cd_low = _mm512_maskz_unpacklo_pd(0xff, c, d), cd_high = _mm512_maskz_unpackhi_pd(0xff, c, d);
+  column[0].v = _mm512_maskz_shuffle_f64x2(0xff, ab_low, cd_low, 0x88);
+  column[1].v = _mm512_maskz_shuffle_f64x2(0xff, ab_high, cd_high, 0x88);
+  column[2].v = _mm512_maskz_shuffle_f64x2(0xff, ab_low, cd_low, 0xdd);
+  column[3].v = _mm512_maskz_shuffle_f64x2(0xff, ab_high, cd_high, 0xdd);
 }
 template <typename Offset>
 SELVAGE_INLINE void store_rows(const WideDouble (&column)[4], double* rows, const Offset* offsets) {
-  __m512d r[4];
-  const __m512d c[4] = {column[0].v, column[1].v, column[2].v, column[3].v};
-  transpose_rows(c, r);
+  const __m512d xy_low = _mm512_maskz_unpacklo_pd(0xff, column[0].v, column[1].v),
+                xy_high = _mm512_maskz_unpackhi_pd(0xff, column[0].v, column[1].v);
+  const __m512d zw_low = _mm512_maskz_unpacklo_pd(0xff, column[2].v, column[3].v),
+                zw_high = _mm512_maskz_unpackhi_pd(0xff, column[2].v, column[3].v);
+  // Quarters of one between those of the other, each moved by one quarter: rows i and i + 4.
+  const __m512d r[4] = {_mm512_mask_shuffle_f64x2(xy_low, 0xcc, zw_low, zw_low, 0xb1),
+                        _mm512_mask_shuffle_f64x2(xy_high, 0xcc, zw_high, zw_high, 0xb1),
+                        _mm512_mask_shuffle_f64x2(zw_low, 0x33, xy_low, xy_low, 0xb1),
+                        _mm512_mask_shuffle_f64x2(zw_high, 0x33, xy_high, xy_high, 0xb1)};
   for (int i = 0; i < 4; ++i) {
     _mm256_storeu_pd(rows + offsets[i], _mm512_maskz_extractf64x4_pd(0xf, r[i], 0));
     _mm256_storeu_pd(rows + offsets[i + 4], _mm512_maskz_extractf64x4_pd(0xf, r[i], 1));
