@@ -239,11 +239,7 @@ void CandidateFactory<D>::make_precise(Candidate<D>& c) const {
   for (int i = 0; i < D; ++i) c.offset[i] = precise.offset[i];
   c.barycentric = precise.barycentric;
   c.offset_error = 2 * kUnitRoundoff * largest(c.offset);
-  if (c.target.count < D || D == 2) {
-    std::copy(c.offset, c.offset + D, c.direction);
-    c.direction_error = c.offset_error;
-    c.has_normal = false;
-  } else if (!(c.direction_error < 1e-3 * largest(c.direction)) && c.offset_error > 0) {
+  if (c.target.count < D || D == 2 || (!(c.direction_error < 1e-3 * largest(c.direction)) && c.offset_error > 0)) {
     std::copy(c.offset, c.offset + D, c.direction);
     c.direction_error = c.offset_error;
     c.has_normal = false;

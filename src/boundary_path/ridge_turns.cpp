@@ -59,7 +59,8 @@ bool turns_once(std::span<const Vec2> positions, const VertexTuple<1>& ridge, st
 /// First some vertices on the one side, then the rest on the other. What plain arithmetic leaves open is decided
 /// exactly.
 bool turns_once(std::span<const Vec3> positions, const VertexTuple<2>& ridge, std::span<const Index> link) {
-  const Vec3 foot = positions[ridge[0]], axis = positions[ridge[1]] - foot, first = positions[link[0]] - foot;
+  const Vec3& foot = positions[ridge[0]];
+  const Vec3 axis = positions[ridge[1]] - foot, first = positions[link[0]] - foot;
   const Vec3 across = axis.cross(first);
   const double length = across.lpNorm<1>();
   bool sure = length > 1e-3 * axis.lpNorm<1>() * first.lpNorm<1>(), back = false;
