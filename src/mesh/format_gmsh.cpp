@@ -17,10 +17,9 @@ int vertices_of(std::int64_t type) {
       return 2;  // line
     case 2:
       return 3;  // triangle
-    case 3:
-      return 4;  // quadrilateral
-    case 4:
-      return 4;  // tetrahedron
+    case 3:      // quadrilateral
+    case 4:      // tetrahedron
+      return 4;
     case 8:
       return 3;  // lines of higher order
     case 15:

@@ -61,7 +61,7 @@ void parse_binary(Cursor& cursor, int extra_floats, MeshFile& mesh) {
   const std::int64_t vertices = cursor.binary<std::int32_t>("the number of vertices");
   const std::int64_t faces = cursor.binary<std::int32_t>("the number of faces");
   cursor.binary<std::int32_t>("the number of edges");
-  const auto extra = static_cast<std::size_t>(4 * extra_floats);
+  const auto extra = 4 * static_cast<std::size_t>(extra_floats);
   cursor.check_count(vertices, "vertices", 12 + extra);
   mesh.positions.reserve(static_cast<std::size_t>(vertices));
   for (std::int64_t i = 0; i < vertices; ++i) {

@@ -60,7 +60,7 @@ class OptionReader {
  private:
   template <typename T>
   static T take(std::optional<T>& option, const T& preset) {
-    const T value = option.value_or(preset);
+    T value = option.value_or(preset);
     option.reset();
     return value;
   }
