@@ -106,8 +106,10 @@ nlohmann::ordered_json json_of(const ResolveCommandOptions& options, const Resol
 }
 
 std::string penetrations(const ResolveIteration& row) {
-  return fmt::format("{} vertices, {} edges, {} centroids", grouped(row.penetrating_vertices),
-                     grouped(row.penetrating_edges), grouped(row.penetrating_centroids));
+  std::string text = fmt::format("{} vertices, {} edges, {} centroids", grouped(row.penetrating_vertices),
+                                 grouped(row.penetrating_edges), grouped(row.penetrating_centroids));
+  if (row.waiting_points > 0) text += fmt::format(", {} points at inverted elements", grouped(row.waiting_points));
+  return text;
 }
 
 void print_summary(const ResolveCommandOptions& options, const ResolveReport& report, double seconds) {

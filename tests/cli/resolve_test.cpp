@@ -32,6 +32,20 @@ TEST_F(Resolve, WritesTheMeshAndSaysWhatItDid) {
   EXPECT_EQ(read_text(file("again.t")), read_text(file("out.t")));
 }
 
+TEST_F(Resolve, CountsWhatIsAtInvertedElements) {
+  run_well("make box --cell 0.25 --pose overlap,dx=0.8,dy=0.1 -o rest.vtu -q");
+  MeshFile mesh = read_mesh(file("rest.vtu"));
+  for (Vec3& x : mesh.positions)
+    if ((x - Vec3(0.4, 0.1, 0)).norm() < 0.2) x[0] += 0.4;
+  write_mesh(file("tangled.vtu"), mesh);
+  const Outcome outcome = run_well("resolve tangled.vtu --rest rest.vtu -o out.vtu --json report.json");
+  const auto report = nlohmann::json::parse(read_text(file("report.json")));
+  ASSERT_GT(report["before"]["inverted_elements"], 0);
+  ASSERT_GT(report["before"]["waiting_points"], 0);
+  EXPECT_NE(outcome.out.find(" points at inverted elements"), std::string::npos) << outcome.out;
+  EXPECT_EQ(report["after"]["waiting_points"], 0);
+}
+
 TEST_F(Resolve, LeavesAnUntangledMeshAsItIs) {
   run_well("make torus --elements 2000 -o torus.vtu -q");
   run_well("resolve torus.vtu -o out.vtu -q");
