@@ -89,13 +89,15 @@ Result parallel_reduce(std::int64_t count, std::int64_t grain, AddPiece&& add_pi
   } else {
     return tbb::parallel_reduce(
         tbb::blocked_range<std::int64_t>(0, count, grain), Result(),
-        [&](const tbb::blocked_range<std::int64_t>& range, Result result) {
+        [&](const tbb::blocked_range<std::int64_t>& range, const Result& before) {
+          Result result = before;
           add_piece(range.begin(), range.end(), result);
           return result;
         },
-        [](Result left, const Result& right) {
-          left.add(right);
-          return left;
+        [](const Result& left, const Result& right) {
+          Result result = left;
+          result.add(right);
+          return result;
         });
   }
 }
