@@ -88,6 +88,7 @@ StillStars::StillStars(const TriangleMesh& mesh)
     if (mesh.vertex_triangles(v).size() > 1) middles_.push_back(v);
   }
   shape_.resize(around_.size());
+  turned_.resize(around_.size());
 }
 
 /// The least distance of what shares no vertex, less what it may be wrong by; 0 where that is not known.
@@ -126,27 +127,35 @@ void StillStars::measure(Index vertex, std::span<const Vec3> positions) {
   stars_[vertex].reach = 0;
   if (!frame) return;
   stars_[vertex].reach = 0.5 * separation(vertex, positions);
-  for (Index i = first_[vertex]; i < first_[vertex + 1]; ++i)
-    shape_[i] = frame->transpose() * (positions[around_[i]] - positions[vertex]);
+  for (Index i = first_[vertex]; i < first_[vertex + 1]; ++i) {
+    turned_[i] = positions[around_[i]] - positions[vertex];
+    shape_[i] = frame->transpose() * turned_[i];
+  }
 }
 
 /// Seen from the middle each vertex moves on a straight line, so that it is farthest from where it was at one of the
 /// ends; two points of triangles around the middle come nearer by at most twice what their vertices moved.
-bool StillStars::is_within_reach(Index vertex, std::span<const Vec3> positions_t0,
-                                 std::span<const Vec3> positions_t1) const {
+bool StillStars::stays_near_turned(Index vertex, std::span<const Vec3> positions_t0,
+                                   std::span<const Vec3> positions_t1) const {
+  double farthest = 0;
+  for (Index i = first_[vertex]; i < first_[vertex + 1]; ++i) {
+    const Vec3 moved_t0 = positions_t0[around_[i]] - positions_t0[vertex] - turned_[i];
+    const Vec3 moved_t1 = positions_t1[around_[i]] - positions_t1[vertex] - turned_[i];
+    farthest = std::max({farthest, moved_t0.squaredNorm(), moved_t1.squaredNorm()});
+  }
   const double reach = stars_[vertex].reach;
-  if (!(reach > 0)) return false;
+  return farthest < reach * reach;
+}
+
+/// Any way to turn the star will do: mostly that of the step before.
+bool StillStars::is_within_reach(Index vertex, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
+  if (!(stars_[vertex].reach > 0)) return false;
+  if (stays_near_turned(vertex, positions_t0, positions_t1)) return true;
   const auto frame =
       frame_of(positions_t0[vertex], positions_t0[around_[first_[vertex]]], positions_t0[around_[first_[vertex] + 1]]);
   if (!frame) return false;
-  double farthest = 0;
-  for (Index i = first_[vertex]; i < first_[vertex + 1]; ++i) {
-    const Vec3 place = *frame * shape_[i];
-    const Vec3 moved_t0 = positions_t0[around_[i]] - positions_t0[vertex] - place;
-    const Vec3 moved_t1 = positions_t1[around_[i]] - positions_t1[vertex] - place;
-    farthest = std::max({farthest, moved_t0.squaredNorm(), moved_t1.squaredNorm()});
-  }
-  return farthest < reach * reach;
+  for (Index i = first_[vertex]; i < first_[vertex + 1]; ++i) turned_[i] = *frame * shape_[i];
+  return stays_near_turned(vertex, positions_t0, positions_t1);
 }
 
 /// Returns whether the star has been measured.

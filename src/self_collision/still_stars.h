@@ -46,7 +46,8 @@ class StillStars {
   bool update(Index vertex, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1);
   void measure(Index vertex, std::span<const Vec3> positions);
   double separation(Index vertex, std::span<const Vec3> positions) const;
-  bool is_within_reach(Index vertex, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) const;
+  bool stays_near_turned(Index vertex, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) const;
+  bool is_within_reach(Index vertex, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1);
   bool is_calm(Index vertex, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) const;
 
   std::span<const Index> around(Index vertex) const {
@@ -57,6 +58,7 @@ class StillStars {
   std::vector<Index> middles_;         ///< vertices with at least two triangles
   std::vector<Index> first_, around_;  ///< per vertex the others of its star, first two that share a triangle with it
   std::vector<Vec3> shape_;            ///< for each of them where it lay when measured, in the frame of the star
+  std::vector<Vec3> turned_;           ///< the same, turned as the star was when it last had to be
   std::vector<Star> stars_;            ///< per vertex
   std::vector<std::uint8_t> is_open_;  ///< per vertex
   std::vector<Index> open_;
