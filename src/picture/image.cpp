@@ -1,20 +1,17 @@
 #include "picture/image.h"
 
 #include "selvage/core/error.h"
+#include "selvage/core/parallel.h"
 
 #include <png.h>
 
 namespace selvage {
 
 void write_png(const std::filesystem::path& path, const Image& image) {
-  std::vector<std::uint8_t> bytes;
-  bytes.reserve(static_cast<std::size_t>(image.width()) * image.height() * 3);
-  for (int y = 0; y < image.height(); ++y) {
-    for (int x = 0; x < image.width(); ++x) {
-      const auto rgb = to_srgb(image.at(x, y));
-      bytes.insert(bytes.end(), rgb.begin(), rgb.end());
-    }
-  }
+  std::vector<std::array<std::uint8_t, 3>> bytes(static_cast<std::size_t>(image.width()) * image.height());
+  parallel_for(image.height(), 16, [&](std::int64_t y) {
+    for (int x = 0; x < image.width(); ++x) bytes[y * image.width() + x] = to_srgb(image.at(x, static_cast<int>(y)));
+  });
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
   png.width = static_cast<png_uint_32>(image.width());

@@ -52,29 +52,24 @@ double mean_edge_pixels(const PathsScene& scene, const Camera& camera) {
   return sum / static_cast<double>(scene.surface.size());
 }
 
-PictureLayers draw_layers(const PathsScene& scene, const PictureOptions& options, const Camera& camera,
-                          double deepest) {
+PictureContent make_content(const PathsScene& scene, const PictureOptions& options, const Camera& camera,
+                            double deepest) {
   std::vector<double> value(scene.vertex_depth.begin(), scene.vertex_depth.end());
   for (double& v : value) v = v < 0 ? -1 : v / deepest;
-  const auto corners = place_corners(scene.positions, scene.surface, camera, options.samples, value);
-  auto everywhere = corners;
-  for (ScreenVertex& corner : everywhere) corner.weight = 1;
-
-  const int width = options.width * options.samples, height = options.height * options.samples;
-  PictureLayers layers{SurfaceLayer(width, height), SurfaceLayer(width, height)};
-  draw_triangles(everywhere, corner_triangles(scene.surface.size(), [](std::size_t) { return true; }), layers.body);
+  PictureContent content{options.width, options.height, options.samples, {}, {}};
+  auto corners = place_corners(scene.positions, scene.surface, camera, value);
+  content.body = {corners, corner_triangles(scene.surface.size(), [](std::size_t) { return true; })};
+  for (ScreenVertex& corner : content.body.vertices) corner.weight = 1;
   const auto penetrates = [&](std::size_t t) {
     return corners[3 * t].weight + corners[3 * t + 1].weight + corners[3 * t + 2].weight > 0;
   };
-  if (scene.outline.empty()) {
-    draw_triangles(corners, corner_triangles(scene.surface.size(), penetrates), layers.inner);
-  }
-  layers.planar = !scene.outline.empty();
-  layers.wireframe = mean_edge_pixels(scene, camera) > kWireframePixels;
-  layers.samples = static_cast<float>(options.samples);
-  layers.feature = static_cast<float>(kFeatureSize * camera.scene_radius());
-  layers.samples_at_one = static_cast<float>(camera.pixels_per_metre(1) * options.samples);
-  return layers;
+  content.planar = !scene.outline.empty();
+  if (!content.planar) content.inner.triangles = corner_triangles(scene.surface.size(), penetrates);
+  content.inner.vertices = std::move(corners);
+  content.wireframe = mean_edge_pixels(scene, camera) > kWireframePixels;
+  content.feature = static_cast<float>(kFeatureSize * camera.scene_radius());
+  content.pixels_at_one = static_cast<float>(camera.pixels_per_metre(1));
+  return content;
 }
 
 Stroke place_stroke(const Camera& camera, const Vec3& from, const Vec3& to, float radius) {
@@ -124,7 +119,7 @@ Image draw_paths(const PathsScene& scene, const PictureOptions& options) {
   for (const DrawnPath& path : scene.paths) deepest = std::max(deepest, path.depth);
   const double scale = deepest > 0 ? deepest : 1;
 
-  Image image = compose(draw_layers(scene, options, camera, scale));
+  Image image = compose(make_content(scene, options, camera, scale));
   std::vector<Stroke> outline;
   for (const auto& [a, b] : scene.outline) {
     outline.push_back(

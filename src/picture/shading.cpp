@@ -37,7 +37,7 @@ float occlusion(const SurfaceLayer& layer, int x, int y, float reach, float radi
   for (const Tap& tap : taps) {
     const int dx = static_cast<int>(std::lround(tap.x * reach)), dy = static_cast<int>(std::lround(tap.y * reach));
     const int u = x + dx, v = y + dy;
-    if (u < 0 || v < 0 || u >= layer.width || v >= layer.height || !layer.covers(layer.index(u, v))) continue;
+    if (!layer.covers(u, v)) continue;
     const Eigen::Vector3f offset(static_cast<float>(dx) * metres, static_cast<float>(dy) * metres,
                                  layer.distance[layer.index(u, v)] - layer.distance[i]);
     const float length = offset.norm();
@@ -48,44 +48,37 @@ float occlusion(const SurfaceLayer& layer, int x, int y, float reach, float radi
   return blocked / kTaps;
 }
 
-/// Mean over the tile around the sample, of samples on the same surface.
-float average_tile(const SurfaceLayer& layer, const std::vector<float>& raw, int x, int y, float radius) {
-  const float here = layer.distance[layer.index(x, y)];
-  float sum = 0, count = 0;
-  for (int v = std::max(0, y - kTile / 2); v < std::min(layer.height, y + kTile / 2); ++v) {
-    for (int u = std::max(0, x - kTile / 2); u < std::min(layer.width, x + kTile / 2); ++u) {
-      const std::size_t i = layer.index(u, v);
-      if (std::abs(layer.distance[i] - here) > 0.3f * radius) continue;
-      sum += raw[i];
-      count += 1;
-    }
-  }
-  return count > 0 ? sum / count : raw[layer.index(x, y)];
-}
-
 }  // namespace
 
-std::vector<float> compute_openness(const SurfaceLayer& layer, float radius, float pixels_at_one) {
+Openness::Openness(SurfaceLayer&& layer, float radius, float pixels_at_one)
+    : width_(layer.width), height_(layer.rows.last), radius_(radius), open_(layer.distance.size(), 1) {
   std::array<std::array<Tap, kTaps>, kTile * kTile> taps;
   for (int turn = 0; turn < kTile * kTile; ++turn) taps[turn] = spiral(turn * 7 % (kTile * kTile));
-
-  std::vector<float> raw(layer.distance.size(), 1), open(layer.distance.size(), 1);
-  parallel_for(layer.height, 16, [&](std::int64_t y) {
-    for (int x = 0; x < layer.width; ++x) {
+  parallel_for(height_, 16, [&](std::int64_t y) {
+    for (int x = 0; x < width_; ++x) {
       const std::size_t i = layer.index(x, static_cast<int>(y));
       if (!layer.covers(i)) continue;
       const float reach = std::max(2.f, radius * pixels_at_one / layer.distance[i]);
       const auto& turned = taps[(y % kTile) * kTile + x % kTile];
-      raw[i] = 1 - std::min(1.f, 4.5f * occlusion(layer, x, static_cast<int>(y), reach, radius, turned));
+      open_[i] = 1 - std::min(1.f, 4.5f * occlusion(layer, x, static_cast<int>(y), reach, radius, turned));
     }
   });
-  parallel_for(layer.height, 16, [&](std::int64_t y) {
-    for (int x = 0; x < layer.width; ++x) {
-      const std::size_t i = layer.index(x, static_cast<int>(y));
-      if (layer.covers(i)) open[i] = average_tile(layer, raw, x, static_cast<int>(y), radius);
+  distance_ = std::move(layer.distance);
+}
+
+/// The mean of the tile around the place, of what lies on the same surface.
+float Openness::at(float x, float y, float distance) const {
+  const int left = static_cast<int>(x + 0.5f) - kTile / 2, top = static_cast<int>(y + 0.5f) - kTile / 2;
+  float sum = 0, count = 0;
+  for (int v = std::max(0, top); v < std::min(height_, top + kTile); ++v) {
+    for (int u = std::max(0, left); u < std::min(width_, left + kTile); ++u) {
+      const std::size_t i = static_cast<std::size_t>(v) * width_ + u;
+      if (std::abs(distance_[i] - distance) > 0.3f * radius_) continue;
+      sum += open_[i];
+      count += 1;
     }
-  });
-  return open;
+  }
+  return count > 0 ? sum / count : 1;
 }
 
 Rgb shade(const Rgb& base, const Eigen::Vector3f& normal, float openness) {
@@ -105,7 +98,7 @@ float outline_strength(const SurfaceLayer& layer, int x, int y, float radius) {
   float strength = 0;
   for (const auto& [dx, dy] : {std::pair(-1, 0), {1, 0}, {0, -1}, {0, 1}, {-2, 0}, {2, 0}, {0, -2}, {0, 2}}) {
     const int u = x + dx, v = y + dy;
-    if (u < 0 || v < 0 || u >= layer.width || v >= layer.height) continue;
+    if (!layer.holds(u, v)) continue;
     const float there = layer.distance[layer.index(u, v)];
     if (there > here + radius) strength += 0.25f;
   }

@@ -34,7 +34,7 @@ struct Fans {
 }  // namespace
 
 std::vector<ScreenVertex> place_corners(std::span<const Vec3> positions, std::span<const VertexTuple<3>> triangles,
-                                        const Camera& camera, int samples, std::span<const double> vertex_value) {
+                                        const Camera& camera, std::span<const double> vertex_value) {
   const Fans fans(static_cast<Index>(positions.size()), triangles);
   std::vector<Vec3> normals(triangles.size());  // as long as twice the area
   for (std::size_t t = 0; t < triangles.size(); ++t) {
@@ -52,8 +52,8 @@ std::vector<ScreenVertex> place_corners(std::span<const Vec3> positions, std::sp
       }
       if (normal.norm() > 0) normal.normalize();
       const Vec3 place = camera.project(positions[v]);
-      corners[3 * t + i] = {static_cast<float>(place[0] * samples),
-                            static_cast<float>(place[1] * samples),
+      corners[3 * t + i] = {static_cast<float>(place[0]),
+                            static_cast<float>(place[1]),
                             static_cast<float>(place[2]),
                             camera.rotate(normal).cast<float>(),
                             static_cast<float>(std::max(vertex_value[v], 0.0)),

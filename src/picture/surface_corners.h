@@ -8,9 +8,8 @@ namespace selvage {
 /// The corners of a surface's triangles on the picture: three vertices a triangle, so that sharp edges stay sharp.
 /// Normals are averaged over the neighbours around a vertex that face nearly the same way.
 ///
-/// @param samples       per pixel in each direction
 /// @param vertex_value  one per vertex, the value of its corners; below 0: value 0 and weight 0
 std::vector<ScreenVertex> place_corners(std::span<const Vec3> positions, std::span<const VertexTuple<3>> triangles,
-                                        const Camera& camera, int samples, std::span<const double> vertex_value);
+                                        const Camera& camera, std::span<const double> vertex_value);
 
 }  // namespace selvage

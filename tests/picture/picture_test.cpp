@@ -70,10 +70,11 @@ ScreenVertex corner(float x, float y, float distance, float value = 0, float wei
 }
 
 TEST(Raster, NearestTriangleIsSeenAndAllAreCounted) {
-  const std::vector<ScreenVertex> vertices{corner(0, 0, 5, 1), corner(40, 0, 5, 1), corner(0, 40, 5, 1),
-                                           corner(0, 0, 3, 2), corner(20, 0, 3, 2), corner(0, 20, 3, 2)};
-  SurfaceLayer layer(50, 50);
-  draw_triangles(vertices, std::vector<VertexTuple<3>>{{3, 4, 5}, {0, 1, 2}}, layer);
+  const ScreenSurface surface{{corner(0, 0, 5, 1), corner(40, 0, 5, 1), corner(0, 40, 5, 1), corner(0, 0, 3, 2),
+                               corner(20, 0, 3, 2), corner(0, 20, 3, 2)},
+                              {{3, 4, 5}, {0, 1, 2}}};
+  SurfaceLayer layer(50, {0, 50});
+  draw_surface(surface, layer);
   const auto at = [&](int x, int y) { return layer.index(x, y); };
   EXPECT_FLOAT_EQ(layer.value[at(5, 5)], 2);
   EXPECT_EQ(layer.count[at(5, 5)], 2);
@@ -87,9 +88,9 @@ TEST(Raster, NearestTriangleIsSeenAndAllAreCounted) {
 TEST(Raster, CoversHalfASquareAndDropsWhatHasNoWeight) {
   const std::vector<ScreenVertex> vertices{corner(0, 0, 1), corner(64, 0, 1), corner(0, 64, 1),
                                            corner(64, 64, 1, 0, 0)};
-  SurfaceLayer half(64, 64), quarter(64, 64);
-  draw_triangles(vertices, std::vector<VertexTuple<3>>{{0, 1, 2}}, half);
-  draw_triangles(vertices, std::vector<VertexTuple<3>>{{1, 3, 2}}, quarter);
+  SurfaceLayer half(64, {0, 64}), quarter(64, {0, 64});
+  draw_surface({vertices, {{0, 1, 2}}}, half);
+  draw_surface({vertices, {{1, 3, 2}}}, quarter);
   int in_half = 0, in_quarter = 0;
   for (std::size_t i = 0; i < half.distance.size(); ++i) {
     in_half += half.covers(i);
@@ -102,9 +103,42 @@ TEST(Raster, CoversHalfASquareAndDropsWhatHasNoWeight) {
 TEST(Raster, NormalsAreTurnedTowardsTheEye) {
   std::vector<ScreenVertex> vertices{corner(0, 0, 1), corner(9, 0, 1), corner(0, 9, 1)};
   for (ScreenVertex& v : vertices) v.normal = {0.6f, 0, 0.8f};
-  SurfaceLayer layer(9, 9);
-  draw_triangles(vertices, std::vector<VertexTuple<3>>{{0, 1, 2}}, layer);
+  SurfaceLayer layer(9, {0, 9});
+  draw_surface({vertices, {{0, 1, 2}}}, layer);
   EXPECT_LT(layer.normal[layer.index(2, 2)][2], 0);
+}
+
+TEST(Raster, BandsWithTheirMarginsAreTheRowsOfTheWhole) {
+  ScreenSurface surface;
+  for (int i = 0; i < 40; ++i) {  // of all sizes, some of them outside
+    const auto x = static_cast<float>(i * 7 % 60 - 5), y = static_cast<float>(i * 11 % 70 - 10);
+    const auto size = static_cast<float>(1 + i), distance = static_cast<float>(1 + i % 9);
+    surface.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    for (const ScreenVertex& v : {corner(x, y, distance), corner(x + size, y, 2), corner(x, y + size / 2, distance)})
+      surface.vertices.push_back(v);
+  }
+  constexpr int kHeight = 50, kMargin = 3;
+  for (const int samples : {1, 3}) {
+    SurfaceLayer whole(50 * samples, {0, kHeight * samples}, samples);
+    draw_surface(surface, whole);
+    const SurfaceBands bands(surface, kHeight, 8, kMargin);
+    ASSERT_EQ(bands.count(), 7u);
+    int rows = 0;
+    for (std::size_t band = 0; band < bands.count(); ++band) {
+      const Rows own = bands.rows(band);
+      rows += own.last - own.first;
+      SurfaceLayer layer(50 * samples,
+                         {std::max(0, own.first - kMargin) * samples, std::min(kHeight, own.last + kMargin) * samples},
+                         samples);
+      bands.draw(band, layer);
+      EXPECT_FALSE(bands.is_empty(band));
+      EXPECT_TRUE(std::equal(layer.distance.begin(), layer.distance.end(),
+                             whole.distance.begin() + static_cast<std::ptrdiff_t>(whole.index(0, layer.rows.first))));
+      EXPECT_TRUE(std::equal(layer.count.begin(), layer.count.end(),
+                             whole.count.begin() + static_cast<std::ptrdiff_t>(whole.index(0, layer.rows.first))));
+    }
+    EXPECT_EQ(rows, kHeight);
+  }
 }
 
 TEST(Ink, StrokeIsAsWideAsItsRadiusSays) {
