@@ -8,41 +8,6 @@ namespace selvage {
 
 namespace {
 
-std::optional<Hit> hit(const PlaneShape& plane, const Vec3& p) {
-  const double height = plane.normal.dot(p - plane.point);
-  if (height >= 0) return {};
-  return Hit{plane.normal, -height};
-}
-
-std::optional<Hit> hit(const Bowl& bowl, const Vec3& p) {
-  const Vec3 offset = p - bowl.centre;
-  const double height = bowl.axis.dot(offset), distance = offset.norm();
-  if (height >= 0 || distance <= bowl.radius) return {};
-  if (-height < distance - bowl.radius) return Hit{bowl.axis, -height};
-  return Hit{-offset / distance, distance - bowl.radius};
-}
-
-std::optional<Hit> hit(const SphereShape& sphere, const Vec3& p) {
-  const Vec3 offset = p - sphere.centre;
-  const double distance = offset.norm();
-  if (distance >= sphere.radius) return {};
-  return Hit{distance > 0 ? Vec3(offset / distance) : Vec3(Vec3::UnitZ()), sphere.radius - distance};
-}
-
-std::optional<Hit> hit(const CylinderShape& cylinder, const Vec3& p) {
-  const Vec3 offset = p - cylinder.centre;
-  const double along = cylinder.axis.dot(offset), end = cylinder.length / 2 - std::abs(along);
-  const Vec3 across = offset - along * cylinder.axis;
-  const double distance = across.norm(), side = cylinder.radius - distance;
-  if (end <= 0 || side <= 0) return {};
-  if (end < side || distance == 0) return Hit{along < 0 ? Vec3(-cylinder.axis) : cylinder.axis, end};
-  return Hit{across / distance, side};
-}
-
-std::optional<Hit> hit(const MeshSolid& solid, const Vec3& p) {
-  return solid.find_hit(p);
-}
-
 void demand(bool good, const std::string& where, std::string_view what, std::string_view remedy) {
   if (!good) throw Error(where, what, remedy);
 }
@@ -104,10 +69,6 @@ Solids make_solids(const std::string& where, const MeshShape& shape) {
 }
 
 }  // namespace
-
-std::optional<Hit> Obstacle::find_hit(const Vec3& p) const {
-  return std::visit([&](const auto& shape) { return hit(shape, p); }, solid);
-}
 
 std::vector<Obstacle> make_obstacles(std::span<const Collider> colliders) {
   std::vector<Obstacle> obstacles;

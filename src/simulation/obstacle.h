@@ -5,6 +5,7 @@
 #include "selvage/mesh/triangle_mesh.h"
 #include "selvage/simulation/collider.h"
 
+#include <cmath>
 #include <optional>
 
 namespace selvage {
@@ -37,10 +38,44 @@ struct Obstacle {
   std::variant<PlaneShape, Bowl, SphereShape, CylinderShape, MeshSolid> solid;
   Motion motion;
   Friction friction;
-
-  /// Where the point is inside, in the collider's own coordinates: where it is at rest.
-  std::optional<Hit> find_hit(const Vec3& p) const;
 };
+
+/// Where a point is inside a solid, in the collider's own coordinates: where it is at rest. Asked of every vertex, and
+/// few are inside.
+inline std::optional<Hit> find_hit(const PlaneShape& plane, const Vec3& p) {
+  const double height = plane.normal.dot(p - plane.point);
+  if (height >= 0) return {};
+  return Hit{plane.normal, -height};
+}
+
+inline std::optional<Hit> find_hit(const Bowl& bowl, const Vec3& p) {
+  const Vec3 offset = p - bowl.centre;
+  const double height = bowl.axis.dot(offset), distance = offset.norm();
+  if (height >= 0 || distance <= bowl.radius) return {};
+  if (-height < distance - bowl.radius) return Hit{bowl.axis, -height};
+  return Hit{-offset / distance, distance - bowl.radius};
+}
+
+inline std::optional<Hit> find_hit(const SphereShape& sphere, const Vec3& p) {
+  const Vec3 offset = p - sphere.centre;
+  const double distance = offset.norm();
+  if (distance >= sphere.radius) return {};
+  return Hit{distance > 0 ? Vec3(offset / distance) : Vec3(Vec3::UnitZ()), sphere.radius - distance};
+}
+
+inline std::optional<Hit> find_hit(const CylinderShape& cylinder, const Vec3& p) {
+  const Vec3 offset = p - cylinder.centre;
+  const double along = cylinder.axis.dot(offset), end = cylinder.length / 2 - std::abs(along);
+  const Vec3 across = offset - along * cylinder.axis;
+  const double distance = across.norm(), side = cylinder.radius - distance;
+  if (end <= 0 || side <= 0) return {};
+  if (end < side || distance == 0) return Hit{along < 0 ? Vec3(-cylinder.axis) : cylinder.axis, end};
+  return Hit{across / distance, side};
+}
+
+inline std::optional<Hit> find_hit(const MeshSolid& solid, const Vec3& p) {
+  return solid.find_hit(p);
+}
 
 /// @throws Error  when a shape, a motion or a friction is impossible; it names which
 std::vector<Obstacle> make_obstacles(std::span<const Collider> colliders);

@@ -93,16 +93,18 @@ struct MovingObstacle {
   RigidTransform from, to;
   bool is_still = obstacle.motion.keyframes.empty();
 
-  bool push_out(const Vec3& start, Grip& grip, VertexRow& vertex) const {
+  template <typename Solid>
+  bool push_out(const Solid& solid, const Vec3& start, std::int64_t step, ObstacleGrip& grip, VertexRow& vertex) const {
     const Vec3 p = is_still ? Vec3(position(vertex)) : to.invert(position(vertex));
-    const std::optional<Hit> hit = obstacle.find_hit(p);
+    const std::optional<Hit> hit = find_hit(solid, p);
     if (!hit) return false;
+    if (grip.step != step) grip = {{}, step};
     const Vec3 outside = p + hit->depth * hit->normal;
     const Vec3 slide =
-        friction_correction(outside - from.invert(start), hit->normal, hit->depth, obstacle.friction, grip);
+        friction_correction(outside - from.invert(start), hit->normal, hit->depth, obstacle.friction, grip.grip);
     // Back from where the slide leaves a hollow wall.
     const Vec3 held = outside + slide;
-    const std::optional<Hit> again = obstacle.find_hit(held);
+    const std::optional<Hit> again = find_hit(solid, held);
     position(vertex) = to(again ? Vec3(held + again->depth * again->normal) : held);
     return true;
   }
@@ -137,20 +139,31 @@ void push_apart(std::span<const Contact> contacts, const Push& push, std::span<V
   }
 }
 
-std::int64_t project_obstacles(std::span<const Obstacle> obstacles, double from, double to, std::span<const Vec3> start,
-                               std::span<Grip> grips, std::span<VertexRow> vertices) {
+std::int64_t project_obstacles(std::span<const Obstacle> obstacles, double from, double to, std::int64_t step,
+                               std::span<const Vec3> start, std::span<ObstacleGrip> grips,
+                               std::span<VertexRow> vertices) {
+  if (obstacles.empty()) return 0;
   std::vector<MovingObstacle> moving;
   for (const Obstacle& obstacle : obstacles)
     moving.push_back({obstacle, obstacle.motion.at(from), obstacle.motion.at(to)});
-  if (moving.empty()) return 0;
-  const auto count =
-      parallel_reduce<Count>(std::ssize(start), kVertexGrain, [&](std::int64_t first, std::int64_t last, Count& hits) {
-        for (std::int64_t v = first; v < last; ++v)
-          if (vertices[v].inverse_mass > 0)
-            for (std::size_t o = 0; o < moving.size(); ++o)
-              hits.value += moving[o].push_out(start[v], grips[v * moving.size() + o], vertices[v]);
-      });
-  return count.value;
+  const std::size_t count = moving.size();
+  const auto project = [&](std::int64_t first, std::int64_t last, Count& hits) {
+    for (std::size_t o = 0; o < count; ++o)
+      std::visit(
+          [&](const auto& solid) {
+            for (std::int64_t v = first; v < last; ++v)
+              if (vertices[v].inverse_mass > 0)
+                hits.value += moving[o].push_out(solid, start[v], step, grips[v * count + o], vertices[v]);
+          },
+          obstacles[o].solid);
+  };
+  // In pieces that stay in the cache from one obstacle to the next.
+  return parallel_reduce<Count>(std::ssize(start), kVertexGrain,
+                                [&](std::int64_t first, std::int64_t last, Count& hits) {
+                                  for (; first < last; first += kVertexGrain)
+                                    project(first, std::min(first + kVertexGrain, last), hits);
+                                })
+      .value;
 }
 
 }  // namespace selvage

@@ -38,12 +38,21 @@ struct Push {
 /// Moves vertices out of every contact, one after the other in the order given, without friction.
 void push_apart(std::span<const Contact> contacts, const Push& push, std::span<VertexRow> vertices);
 
+/// What an obstacle has done to a vertex in the step in which it last did something: hardly any vertex meets any, and
+/// to clear all for every step takes as long as to project them.
+struct ObstacleGrip {
+  Grip grip;
+  std::int64_t step = -1;
+};
+
 /// Moves vertices out of obstacles, which move from their places at the time `from` to those at the time `to`.
 /// Parallel.
 ///
-/// @param grips  (n_vertices x n_obstacles) of this step; updated
+/// @param step   a number of this step alone, from 0
+/// @param grips  (n_vertices x n_obstacles); updated
 /// @return how many contacts there were
-std::int64_t project_obstacles(std::span<const Obstacle> obstacles, double from, double to, std::span<const Vec3> start,
-                               std::span<Grip> grips, std::span<VertexRow> vertices);
+std::int64_t project_obstacles(std::span<const Obstacle> obstacles, double from, double to, std::int64_t step,
+                               std::span<const Vec3> start, std::span<ObstacleGrip> grips,
+                               std::span<VertexRow> vertices);
 
 }  // namespace selvage

@@ -70,11 +70,12 @@ struct XpbdSolver::Parts {
   std::optional<ContactFinder> contact_finder;
   std::vector<Vec3> proposed;  ///< positions after the material solve
   std::vector<Contact> contacts;
-  std::vector<double> reaches;       ///< see project_contacts()
-  std::vector<Grip> contact_grips;   ///< (n_contacts)
-  std::vector<Grip> obstacle_grips;  ///< (n_vertices x n_obstacles)
-  std::vector<VertexRow> vertices;   ///< as the step moves them
-  std::vector<VertexRow> start;      ///< the same at the start of the step, where it is needed
+  std::vector<double> reaches;               ///< see project_contacts()
+  std::vector<Grip> contact_grips;           ///< (n_contacts)
+  std::vector<ObstacleGrip> obstacle_grips;  ///< (n_vertices x n_obstacles)
+  std::vector<VertexRow> vertices;           ///< as the step moves them
+  std::vector<VertexRow> start;              ///< the same at the start of the step, where it is needed
+  std::int64_t steps = 0;                    ///< begun by this solver
   StepStatistics statistics;
 
   Parts(const Model& m, const State& initial, std::vector<Handle> h, std::span<const Collider> colliders,
@@ -89,6 +90,7 @@ struct XpbdSolver::Parts {
       for (const Index v : handle.vertices) places.push_back(initial.positions[v]);
     }
     vertices.resize(model.mesh.vertex_count());
+    obstacle_grips.resize(vertex_count() * obstacles.size());
     if (material.needs_start()) start = vertices;
     if (options.contact.mode == DetectionMode::kOff) return;
     std::vector<Index> body_of(vertex_count(), kNone);
@@ -184,7 +186,8 @@ struct XpbdSolver::Parts {
     timed(statistics.seconds_projection, [&] {
       project_contacts(contacts, state.positions, reaches, {options.static_friction, options.dynamic_friction},
                        contact_grips, vertices);
-      statistics.collider_contacts += project_obstacles(obstacles, from, to, state.positions, obstacle_grips, vertices);
+      statistics.collider_contacts +=
+          project_obstacles(obstacles, from, to, steps, state.positions, obstacle_grips, vertices);
     });
   }
 
@@ -193,6 +196,7 @@ struct XpbdSolver::Parts {
   void step(State& state) {
     const double from = static_cast<double>(state.steps) * options.time_step;
     const double to = static_cast<double>(state.steps + 1) * options.time_step;
+    ++steps;
     if (contact_finder) contact_finder->begin_step(state.positions);
     predict(state, from, to);
     const int free_iterations = std::max(options.iterations / 2, 1);
@@ -200,7 +204,6 @@ struct XpbdSolver::Parts {
     check_finite(state.steps + 1);
     find_contacts();
     contact_grips.assign(contacts.size(), {});
-    obstacle_grips.assign(vertex_count() * obstacles.size(), {});
     project(state, from, to);
     for (int iteration = free_iterations; iteration < options.iterations; ++iteration) {
       solve_material(iteration, iteration + 1);
