@@ -29,9 +29,9 @@ struct PeerChoice {
   std::vector<PeerSettings> paths;  ///< for each set of queries, with culling or without, whichever is faster
 };
 
-class Measurement {
+class PathMeasurement {
  public:
-  Measurement(const Subject& subject, const BoundaryPathPlan& plan, Report& report)
+  PathMeasurement(const Subject& subject, const BoundaryPathPlan& plan, Report& report)
       : subject_(subject), plan_(plan), report_(report) {}
 
   void choose_settings();
@@ -57,7 +57,7 @@ class Measurement {
   PeerChoice choice_;
 };
 
-std::vector<PathQuery<3>> Measurement::sample(std::size_t set) const {
+std::vector<PathQuery<3>> PathMeasurement::sample(std::size_t set) const {
   constexpr std::int64_t kTrialQueries = 2000;
   const auto& queries = subject_.query_sets()[set].queries;
   const std::int64_t step = std::max<std::int64_t>(1, std::ssize(queries) / kTrialQueries);
@@ -66,7 +66,7 @@ std::vector<PathQuery<3>> Measurement::sample(std::size_t set) const {
   return some;
 }
 
-void Measurement::choose_settings() {
+void PathMeasurement::choose_settings() {
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   const std::size_t sets = subject_.query_sets().size();
   const auto best_of_three = [](const std::function<void()>& run) {
@@ -96,14 +96,14 @@ void Measurement::choose_settings() {
   }
 }
 
-void Measurement::add_row(const std::string& measure, int threads, std::int64_t items, const std::string& item,
-                          const Rounds& rounds, const std::string& ours, const std::string& peer,
-                          const std::string& setting) {
+void PathMeasurement::add_row(const std::string& measure, int threads, std::int64_t items, const std::string& item,
+                              const Rounds& rounds, const std::string& ours, const std::string& peer,
+                              const std::string& setting) {
   report_.add(Row{measure, subject_.name(), threads, items, item, rounds.median(ours), rounds.median(peer),
                   rounds.ratio(peer, ours), setting, rounds.round_count()});
 }
 
-void Measurement::measure_hierarchies(int threads) {
+void PathMeasurement::measure_hierarchies(int threads) {
   BoundaryPathFinder<3> finder = make_finder();
   const auto pose = [&](bool before) { return before ? subject_.pose_before() : subject_.pose(); };
   {
@@ -122,7 +122,7 @@ void Measurement::measure_hierarchies(int threads) {
   add_row("refit", threads, subject_.mesh().element_count(), "tet", rounds, "ours", "peer", describe(choice_.refit));
 }
 
-void Measurement::measure_containment(int threads) {
+void PathMeasurement::measure_containment(int threads) {
   const BoundaryPathFinder<3> finder = make_finder();
   const EmbreePeer peer = make_peer(choice_.containment);
   Rounds rounds;
@@ -133,7 +133,7 @@ void Measurement::measure_containment(int threads) {
           describe(choice_.containment));
 }
 
-void Measurement::measure_paths(int threads, std::size_t set) {
+void PathMeasurement::measure_paths(int threads, std::size_t set) {
   const QuerySet& q = subject_.query_sets()[set];
   const BoundaryPathFinder<3> finder = make_finder();
   const BoundaryPathFinder<3> plain = make_finder({.cull_infeasible_regions = false});
@@ -156,7 +156,7 @@ void Measurement::measure_paths(int threads, std::size_t set) {
   row("no culling", fastest);
 }
 
-void Measurement::count_work(std::size_t set) {
+void PathMeasurement::count_work(std::size_t set) {
   const QuerySet& q = subject_.query_sets()[set];
   const double n = static_cast<double>(std::max<std::size_t>(q.queries.size(), 1));
   const auto count_ours = [&](const std::string& who, PathOptions options, std::span<const Index> warm_start) {
@@ -181,12 +181,13 @@ void Measurement::count_work(std::size_t set) {
   }
 }
 
-void Measurement::compare_paths(std::size_t set) {
+void PathMeasurement::compare_paths(std::size_t set) {
   const QuerySet& q = subject_.query_sets()[set];
   const auto ours = make_finder().find_paths(q.queries);
   const EmbreePeer peer = make_peer(choice_.paths[set]);
   for (bool cull : {true, false}) {
     Agreement a{subject_.name(), fmt::format("{}: distances, peer, {}", q.name, cull ? "culling" : "no culling")};
+    Agreement::Distances distances;
     const auto theirs = peer.find_paths(q.queries, cull);
     for (std::size_t i = 0; i < ours.size(); ++i) {
       const bool found = ours[i].status == PathStatus::kFound;
@@ -194,15 +195,16 @@ void Measurement::compare_paths(std::size_t set) {
       if (!found || theirs[i].face == kNone) continue;
       ++a.compared;
       const double difference = std::abs(ours[i].distance - theirs[i].distance);
-      a.different += difference > 1e-4 * ours[i].distance;
-      a.beyond_rounding += difference > 1e-4 * ours[i].distance + 1e-6 * subject_.extent();
-      a.worst = std::max(a.worst, difference / subject_.extent());
+      distances.different += difference > 1e-4 * ours[i].distance;
+      distances.beyond_rounding += difference > 1e-4 * ours[i].distance + 1e-6 * subject_.extent();
+      distances.worst = std::max(distances.worst, difference / subject_.extent());
     }
+    a.distances = distances;
     report_.add(std::move(a));
   }
 }
 
-void Measurement::compare_containment() {
+void PathMeasurement::compare_containment() {
   const auto pairs = [](const std::vector<PathQuery<3>>& queries) {
     std::set<std::pair<Index, Index>> set;
     for (const auto& q : queries) set.emplace(q.source[0], q.element);
@@ -212,7 +214,7 @@ void Measurement::compare_containment() {
   const auto theirs = pairs(make_peer(choice_.containment).find_penetrating_vertices());
   std::vector<std::pair<Index, Index>> odd;
   std::set_symmetric_difference(ours.begin(), ours.end(), theirs.begin(), theirs.end(), std::back_inserter(odd));
-  report_.add(Agreement{subject_.name(), "vertex-tet DCD: pairs", std::ssize(ours), 0, 0, std::ssize(odd), 0});
+  report_.add(Agreement{subject_.name(), "vertex-tet DCD: pairs", std::ssize(ours), std::ssize(odd)});
 }
 
 }  // namespace
@@ -225,7 +227,7 @@ void measure_boundary_paths(const std::string& name, const MeshFile& file, const
                          mesh.element_count(), mesh.boundary_face_count(), mesh.boundary_vertices().size(),
                          subject.defects().inverted_elements, subject.defects().overwound_interior_ridges,
                          subject.defects().overwound_boundary_ridges));
-  Measurement measurement(subject, plan, report);
+  PathMeasurement measurement(subject, plan, report);
   measurement.choose_settings();
   report.print_header();
   const std::size_t sets = subject.query_sets().size();

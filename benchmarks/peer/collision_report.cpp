@@ -40,9 +40,14 @@ void CollisionReport::print_time_header() const {
 }
 
 void CollisionReport::add(CollisionCount c) {
-  fmt::print(table_, "  {:<28}{:>9}{:>9}{:>9}{:>9}{:>10} | {:>11}{:>12}{:>10}\n", c.method, c.pairs.triangles,
-             c.pairs.vertex_face, c.pairs.edge_edge, c.missed.sum(), c.invented.sum(), c.work.node_pairs,
-             c.work.box_pairs, c.work.exact_tests);
+  const bool discrete = c.kind == "discrete";
+  const auto pairs = [](std::int64_t count, bool of_this_kind) {
+    return of_this_kind ? fmt::format("{}", count) : "-";
+  };
+  fmt::print(table_, "  {:<28}{:>9}{:>9}{:>9}{:>9}{:>10} | {:>11}{:>12}{:>10}\n", c.method,
+             pairs(c.pairs.triangles, discrete), pairs(c.pairs.vertex_face, !discrete),
+             pairs(c.pairs.edge_edge, !discrete), c.missed.sum(), c.invented.sum(), c.work.node_pairs, c.work.box_pairs,
+             c.work.exact_tests);
   std::fflush(table_);
   counts_.push_back(std::move(c));
 }

@@ -78,10 +78,11 @@ void CollisionTables::print_pairs() const {
     for (const CollisionCount& c : counts_) {
       if (c.mesh != mesh || c.kind != kDiscrete) continue;
       const CollisionCount* const moving = count(mesh, kContinuous, c.method);
-      const PairCount found = moving != nullptr ? moving->pairs : PairCount{};
-      const PairCount missed = moving != nullptr ? moving->missed : PairCount{};
-      print_row("  " + c.method, c.pairs.triangles, c.missed.triangles, found.vertex_face, missed.vertex_face,
-                found.edge_edge, missed.edge_edge);
+      if (moving == nullptr)
+        print_row("  " + c.method, c.pairs.triangles, c.missed.triangles, "-", "-", "-", "-");
+      else
+        print_row("  " + c.method, c.pairs.triangles, c.missed.triangles, moving->pairs.vertex_face,
+                  moving->missed.vertex_face, moving->pairs.edge_edge, moving->missed.edge_edge);
     }
   }
 }

@@ -45,10 +45,11 @@ void Report::add(Work w) {
 }
 
 void Report::add(Agreement a) {
-  fmt::print(table_,
-             "  {:<39} compared {}, different {}, of these beyond single precision {}, one-sided {}, worst {:.2g} of "
-             "the size\n",
-             a.what, a.compared, a.different, a.beyond_rounding, a.missing, a.worst);
+  fmt::print(table_, "  {:<39} compared {}, one-sided {}", a.what, a.compared, a.missing);
+  if (a.distances)
+    fmt::print(table_, ", different {}, of these beyond single precision {}, worst {:.2g} of the size",
+               a.distances->different, a.distances->beyond_rounding, a.distances->worst);
+  fmt::print(table_, "\n");
   std::fflush(table_);
   agreements_.push_back(std::move(a));
 }
@@ -76,14 +77,14 @@ void Report::write_json(const std::filesystem::path& path) const {
                             {"traversals", w.traversals},
                             {"elements", w.elements},
                             {"exact_decisions", w.exact < 0 ? nlohmann::json() : nlohmann::json(w.exact)}});
-  for (const Agreement& a : agreements_)
-    json["agreement"].push_back({{"mesh", a.mesh},
-                                 {"what", a.what},
-                                 {"compared", a.compared},
-                                 {"different", a.different},
-                                 {"beyond_rounding", a.beyond_rounding},
-                                 {"one_sided", a.missing},
-                                 {"worst", a.worst}});
+  for (const Agreement& a : agreements_) {
+    nlohmann::json& entry = json["agreement"].emplace_back();
+    entry = {{"mesh", a.mesh}, {"what", a.what}, {"compared", a.compared}, {"one_sided", a.missing}};
+    if (!a.distances) continue;
+    entry["different"] = a.distances->different;
+    entry["beyond_rounding"] = a.distances->beyond_rounding;
+    entry["worst"] = a.distances->worst;
+  }
   write_json_file(path, json);
 }
 

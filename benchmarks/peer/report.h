@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 
 namespace selvage::bench {
 
@@ -31,8 +32,12 @@ struct Work {
 
 struct Agreement {
   std::string mesh, what;
-  std::int64_t compared = 0, different = 0, beyond_rounding = 0, missing = 0;
-  double worst = 0;  ///< largest difference of the distance, relative to the size of the mesh
+  std::int64_t compared = 0, missing = 0;
+  struct Distances {
+    std::int64_t different = 0, beyond_rounding = 0;
+    double worst = 0;  ///< largest difference, relative to the size of the mesh
+  };
+  std::optional<Distances> distances{};  ///< of those compared; none where only their presence is
 };
 
 /// Prints each entry as it comes, and keeps it.

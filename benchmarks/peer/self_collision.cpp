@@ -33,9 +33,10 @@ const char* name_of(QueryKind kind) {
   return kind == QueryKind::kContinuous ? "continuous" : "discrete";
 }
 
-class Measurement {
+class CollisionMeasurement {
  public:
-  Measurement(QueryKind kind, const CollisionSubject& subject, const SelfCollisionPlan& plan, CollisionReport& report)
+  CollisionMeasurement(QueryKind kind, const CollisionSubject& subject, const SelfCollisionPlan& plan,
+                       CollisionReport& report)
       : subject_(subject),
         kind_(kind),
         frames_(query_count(kind, subject)),
@@ -86,7 +87,7 @@ class Measurement {
   std::int64_t pair_count_ = 0;
 };
 
-void Measurement::count_pairs() {
+void CollisionMeasurement::count_pairs() {
   CollisionWork unused;
   const auto bvh = CollisionQuery::make(kind_, subject_, "bvh");
   for (int i = 0; i < frames_; ++i) {
@@ -107,7 +108,7 @@ void Measurement::count_pairs() {
   }
 }
 
-PeerAgreement Measurement::compare(const std::string& peer) const {
+PeerAgreement CollisionMeasurement::compare(const std::string& peer) const {
   PeerAgreement agreement{subject_.name(), peer};
   std::unique_ptr<EmbreeCollider> embree;
   if (peer != kCgal) embree = std::make_unique<EmbreeCollider>(subject_.mesh(), subject_.frame(0), tree_of(peer));
@@ -134,18 +135,18 @@ PeerAgreement Measurement::compare(const std::string& peer) const {
   return agreement;
 }
 
-void Measurement::compare_peers() {
+void CollisionMeasurement::compare_peers() {
   for (const std::string& peer : peers_) report_.add(compare(peer));
 }
 
 /// A pose to all its pairs, the next frame with each call.
-std::function<void()> Measurement::method_run(const std::string& method) const {
+std::function<void()> CollisionMeasurement::method_run(const std::string& method) const {
   return [query = std::shared_ptr(CollisionQuery::make(kind_, subject_, method)), next = 0]() mutable {
     query->run(next++);
   };
 }
 
-std::function<void()> Measurement::peer_run(const std::string& peer, bool in_parallel) const {
+std::function<void()> CollisionMeasurement::peer_run(const std::string& peer, bool in_parallel) const {
   if (peer == kCgal)
     return [this, in_parallel, next = 0]() mutable { cgal_->find_pairs(subject_.frame(next++), in_parallel); };
   const auto embree = std::make_shared<EmbreeCollider>(subject_.mesh(), subject_.frame(0), tree_of(peer));
@@ -155,7 +156,7 @@ std::function<void()> Measurement::peer_run(const std::string& peer, bool in_par
   };
 }
 
-void Measurement::measure_times(int threads) {
+void CollisionMeasurement::measure_times(int threads) {
   const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
   Rounds rounds;
   for (const std::string& method : methods_) rounds.add(method, method_run(method));
@@ -180,7 +181,7 @@ void measure_self_collision(const CollisionSubject& subject, const SelfCollision
   for (const QueryKind kind : {QueryKind::kDiscrete, QueryKind::kContinuous}) {
     if (kind == QueryKind::kContinuous && !plan.with_steps) continue;
     report.say(fmt::format("  {}", name_of(kind)));
-    Measurement measurement(kind, subject, plan, report);
+    CollisionMeasurement measurement(kind, subject, plan, report);
     measurement.count_pairs();
     measurement.compare_peers();
     report.print_time_header();
