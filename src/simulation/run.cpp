@@ -3,6 +3,7 @@
 #include "core/timed.h"
 #include "selvage/boundary_path/boundary_path.h"
 #include "selvage/core/error.h"
+#include "simulation/fingerprint.h"
 #include "simulation/run_folder.h"
 
 #include <fmt/format.h>
@@ -176,6 +177,13 @@ void store(const RunFolder& folder, const State& state, const FrameStatistics& r
   }
 }
 
+std::uint64_t fingerprint_of(const State& state) {
+  Fingerprint print;
+  print.add(std::span<const Vec3>(state.positions));
+  print.add(std::span<const Vec3>(state.velocities));
+  return print.value();
+}
+
 }  // namespace
 
 RunReport run_scene(const Scene& scene, const RunOptions& options) {
@@ -193,11 +201,13 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     course.measure(state, 0, report.frames.emplace_back());
     store(folder, state, report.frames.back());
   }
+  report.fingerprint = fingerprint_of(state);
   if (options.on_frame) options.on_frame(report.frames.back());
   const std::int64_t last = options.frames.value_or(scene.frames);
   for (std::int64_t frame = report.first_frame + 1; frame <= last; ++frame) {
     if (!advance(course, frame, state, report)) break;
     store(folder, state, report.frames.back());
+    report.fingerprint = fingerprint_of(state);
     if (options.on_frame) options.on_frame(report.frames.back());
   }
   folder.store_summary(summarize_run(scene, report));

@@ -70,8 +70,13 @@ Json averages_per_path(const Totals& totals) {
       {"volumes", mean(totals.volumes)}, {"traversals", mean(totals.traversals)}, {"elements", mean(totals.elements)}};
 }
 
-Json state_at_end(const Row& last) {
-  return {{"penetrating_vertices", last.penetrating_vertices},
+std::string digits(std::uint64_t fingerprint) {
+  return fmt::format("{:016x}", fingerprint);
+}
+
+Json state_at_end(const Row& last, std::uint64_t fingerprint) {
+  return {{"fingerprint", digits(fingerprint)},
+          {"penetrating_vertices", last.penetrating_vertices},
           {"deepest_penetration", last.deepest_penetration},
           {"inverted_elements", last.inverted_elements},
           {"kinetic_energy", last.kinetic_energy},
@@ -84,7 +89,7 @@ std::string summarize_run(const Scene& scene, const RunReport& report) {
   const Totals totals(report.frames);
   const Row& last = report.frames.back();
   Json json{{"schema", 1}, {"kind", "simulation"}, {"scene", scene.name}, {"scale", scene.scale}};
-  json["fingerprint"] = fmt::format("{:016x}", scene.fingerprint);
+  json["scene_fingerprint"] = digits(scene.fingerprint);
   json["outcome"] = name_of(report.outcome);
   if (!report.message.empty()) json["message"] = report.message;
   json["bodies"] = scene.model.bodies.size();
@@ -97,7 +102,7 @@ std::string summarize_run(const Scene& scene, const RunReport& report) {
   json["iterations"] = scene.options.iterations;
   json["average_per_step"] = averages_per_step(totals, static_cast<double>(last.steps));
   json["average_per_path"] = averages_per_path(totals);
-  json["at_end"] = state_at_end(last);
+  json["at_end"] = state_at_end(last, report.fingerprint);
   json["frame_seconds"] = {{"average", ratio(totals.frames, static_cast<double>(last.frame))},
                            {"longest", totals.longest}};
   json["shares"] = {{"material", ratio(totals.material, totals.steps)},

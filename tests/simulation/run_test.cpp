@@ -4,8 +4,10 @@
 #include "selvage/simulation/frames.h"
 #include "temporary_folder.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <csignal>
@@ -104,12 +106,33 @@ TEST(Run, WritesWhatItSays) {
   EXPECT_NE(files.at("frames.pvd").find("vtu/frame_000004.vtu"), std::string::npos);
 }
 
+TEST(Run, FingerprintIsThatOfTheLastState) {
+  const auto run = [](const std::string& text, std::int64_t frames) {
+    const TemporaryFolder folder;
+    RunOptions options = to(folder.path());
+    options.frames = frames;
+    const RunReport report = run_scene(scene_of(text), options);
+    EXPECT_NE(read_text(folder.path() / "summary.json").find(fmt::format("{:016x}", report.fingerprint)),
+              std::string::npos);
+    return report.fingerprint;
+  };
+  const std::uint64_t print = run(falling_blocks(), 3);
+  {
+    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    EXPECT_EQ(run(falling_blocks(), 3), print);
+  }
+  EXPECT_NE(run(falling_blocks(), 2), print);
+  EXPECT_NE(run(falling_blocks(R"(,"gravity": [0, 0, -9.80001])"), 3), print);
+  // At the beginning the scenes are alike.
+  EXPECT_EQ(run(falling_blocks(R"(,"gravity": [0, 0, -9.80001])"), 0), run(falling_blocks(), 0));
+}
+
 TEST(Run, EndsTheSameWhereverItWasCut) {
   const Scene scene = scene_of(falling_blocks());
   const TemporaryFolder whole;
   RunOptions options = to(whole.path());
   options.vtu = true;
-  run_scene(scene, options);
+  const std::uint64_t print = run_scene(scene, options).fingerprint;
   const auto expected = files_of(whole.path());
   for (int cut = 0; cut < 6; ++cut) {
     const TemporaryFolder folder;
@@ -126,6 +149,7 @@ TEST(Run, EndsTheSameWhereverItWasCut) {
     const RunReport report = run_scene(scene, first);
     EXPECT_EQ(report.first_frame, cut);
     EXPECT_EQ(report.frames.size(), 7u);
+    EXPECT_EQ(report.fingerprint, print);
     EXPECT_EQ(differences(files_of(folder.path()), expected), std::vector<std::string>()) << "cut after frame " << cut;
   }
 }
@@ -201,6 +225,9 @@ TEST(Run, ExplosionNamesTheFrame) {
   EXPECT_NO_THROW(read_frame(frame_path(folder.path(), last)));
   EXPECT_EQ(read_checkpoint(checkpoint_path(folder.path())).header.frame, last);
   EXPECT_NE(read_text(folder.path() / "summary.json").find("\"exploded\""), std::string::npos);
+  RunOptions to_last = to(folder.path() / "again");
+  to_last.frames = last;
+  EXPECT_EQ(run_scene(parse_scene(text, "far.json"), to_last).fingerprint, report.fingerprint);
 }
 
 TEST(Run, ImpossibleHandlesAreNamed) {

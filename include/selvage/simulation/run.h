@@ -60,6 +60,7 @@ struct RunReport {
   std::string message;                  ///< unless finished: what happened, in which frame
   std::int64_t first_frame = 0;         ///< that this call began or continued from
   std::vector<FrameStatistics> frames;  ///< from frame 0 on, those of earlier calls too
+  std::uint64_t fingerprint = 0;        ///< of every bit of the positions and velocities after the last frame
 };
 
 /// Runs a scene and writes its files (docs/simulation.md) to a folder.
