@@ -206,7 +206,9 @@ void print_summary(const CollisionReport& report, const Stopwatch& watch) {
     table.add("where", fmt::format("from {:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g} m", lower[0], lower[1], lower[2],
                                    upper[0], upper[1], upper[2]));
   }
-  if (!report.end_mesh.empty()) table.add("free of collisions", fmt::format("{:.6g} of the step", report.free_step));
+  if (!report.end_mesh.empty())
+    table.add("free of collisions",
+              report.free_step == 1 ? "the whole step" : fmt::format("the first {:.6g} of the step", report.free_step));
   std::string times;
   for (const auto& [phase, seconds] : watch.laps()) times += fmt::format("{} {}, ", phase, readable_seconds(seconds));
   table.add("time", fmt::format("{}together {}", times, readable_seconds(watch.total())));

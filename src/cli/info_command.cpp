@@ -114,7 +114,7 @@ void print_info(const Json& info) {
     if (value.is_number_integer()) {
       table.add(readable(name), grouped(value));
     } else if (value.is_number()) {
-      table.add(readable(name), fmt::format("{:.6g} {}", value.get<double>(), name == "area" ? "m2" : "m3"));
+      table.add(readable(name), fmt::format("{:.6g} {}", value.get<double>(), name == "area" ? "m^2" : "m^3"));
     } else if (value.is_string()) {
       table.add(readable(name), value.get<std::string>());
     }

@@ -31,7 +31,7 @@ struct PathsOptions {
 constexpr const char* kPathsExample =
     "  selvage make octopus --pose swirl -o octopus.t\n"
     "  selvage paths octopus.t --csv paths.csv --vtu paths.vtu --picture octopus.png\n"
-    "  echo 0.1,0.2,0.3 > points.csv && selvage paths octopus.t --points points.csv --json -\n"
+    "  echo 0,0,0.2 > points.csv && selvage paths octopus.t --points points.csv --json -\n"
     "Columns of CSV and JSON:\n"
     "  query                        vertex, or number of the point in its file, from 0 (headers and comments aside)\n"
     "  x,y,z                        the point [m]\n"
@@ -155,12 +155,10 @@ void print_summary(const PathsOptions& options, const SearchResult& result, cons
   table.print();
 }
 
-void write_outputs(const PathsOptions& options, const MeshFile& file, const SearchResult& result,
-                   const PathTotals& totals, const Stopwatch& watch, OutputFiles& outputs) {
+void write_outputs(const PathsOptions& options, const SearchResult& result, const PathTotals& totals,
+                   const std::optional<Image>& image, const Stopwatch& watch, OutputFiles& outputs) {
   if (!options.csv.empty()) outputs.write_text(options.csv, print_csv(result.table));
   if (!options.common.json.empty()) outputs.write_text(options.common.json, print_json(options, result, totals, watch));
-  std::optional<Image> image;
-  if (!options.picture.empty()) image = draw(options, file, result, totals);
   if (!options.vtu.empty()) {
     outputs.write_file(options.vtu, [&](const auto& path) { write_vtu(path, path_lines(result.table)); });
   }
@@ -184,7 +182,12 @@ void run_paths(const PathsOptions& options) {
   request.quiet = options.common.quiet;
   const SearchResult result = planar ? search_paths<2>(file, request, watch) : search_paths<3>(file, request, watch);
   const PathTotals totals = total_paths(result.table);
-  write_outputs(options, file, result, totals, watch, outputs);
+  std::optional<Image> image;
+  if (!options.picture.empty()) {
+    image = draw(options, file, result, totals);
+    watch.lap("picture");
+  }
+  write_outputs(options, result, totals, image, watch, outputs);
   watch.lap("write");
   if (!options.common.quiet && !outputs.uses_standard_output()) print_summary(options, result, totals, watch);
 }
