@@ -235,7 +235,7 @@ struct ContinuousCollisionFinder::State {
   ContinuousPairs search_all(std::atomic<bool>* stop, ContinuousCounters* counters) const {
     const ContinuousScene searched = scene();
     const PairWork work = split_self_pair_work(
-        bvh, kPairPieces, [&](NodePair pair) { return !searched.spared.do_hold(bvh.nodes().data(), pair); });
+        bvh, piece_count(bvh), [&](NodePair pair) { return !searched.spared.do_hold(bvh.nodes().data(), pair); });
     std::vector<ContinuousResult> results(work.pieces.size() + 1);
     results.back().counters.node_pairs = work.compared;
     results.back().counters.self_node_pairs = work.compared_selves;
@@ -253,26 +253,26 @@ struct ContinuousCollisionFinder::State {
   ContinuousPairs search_beside_stars(std::atomic<bool>* stop, ContinuousCounters* counters) const {
     constexpr std::int64_t kStarsAtOnce = 64;
     const ContinuousScene searched = scene();
-    SelfWork work = split_self_work(bvh, neighbours, searched.spared, kPairPieces);
+    SelfWork work = split_self_work(bvh, neighbours, searched.spared, piece_count(bvh));
     std::erase_if(work.found, [&](const IndexPair& pair) { return do_share_vertex(pair); });
     const std::span<const Index> open = stars->open();
-    const std::int64_t piece_count = std::ssize(work.pieces);
+    const std::int64_t cut = std::ssize(work.pieces);
     const std::int64_t run_count = (std::ssize(open) + kStarsAtOnce - 1) / kStarsAtOnce;
-    std::vector<ContinuousResult> results(piece_count + run_count + 1);
+    std::vector<ContinuousResult> results(cut + run_count + 1);
     results.back().counters.node_pairs = work.counters.node_pairs;
     results.back().counters.self_node_pairs = work.counters.self_node_pairs;
     for (ContinuousResult& result : results) result.stop = stop;
     SELVAGE_DISPATCH(test_listed_pairs, searched, work.found, results.back());
     SearchProgress progress(options, std::ssize(results));
-    parallel_ranges(piece_count + run_count, 1, [&](std::int64_t first, std::int64_t last) {
-      const std::int64_t pieces_end = std::clamp(piece_count, first, last);
+    parallel_ranges(cut + run_count, 1, [&](std::int64_t first, std::int64_t last) {
+      const std::int64_t pieces_end = std::clamp(cut, first, last);
       if (first < pieces_end)
         SELVAGE_DISPATCH(find_meeting_strangers, searched, std::span(work.pieces).subspan(first, pieces_end - first),
                          results[first]);
       std::vector<IndexPair> pairs;
       for (std::int64_t run = pieces_end; run < last; ++run)
-        for (std::int64_t i = kStarsAtOnce * (run - piece_count);
-             i < std::min(kStarsAtOnce * (run - piece_count + 1), std::ssize(open)); ++i)
+        for (std::int64_t i = kStarsAtOnce * (run - cut);
+             i < std::min(kStarsAtOnce * (run - cut + 1), std::ssize(open)); ++i)
           stars->append_pairs(open[i], pairs);
       if (!pairs.empty()) SELVAGE_DISPATCH(test_listed_pairs, searched, pairs, results[last - 1]);
       progress.add(last - first);

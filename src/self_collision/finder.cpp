@@ -22,11 +22,6 @@ namespace {
 constexpr std::array<std::string_view, 7> kMethodNames{
     "bvh", "normal-cone", "dual-cone", "dual-cone-internal", "enhanced-dual-cone", "enhanced-dual-cone-published",
     "auto"};
-/// Enough that threads stay busy where pieces differ in size, and not so many that they are hardly begun.
-std::size_t piece_count(const Bvh& bvh) {
-  return std::clamp<std::size_t>(bvh.nodes().size() / 64, 16, 512);
-}
-
 void check_triangle(const TriangleMesh& mesh, Index t) {
   if (t < 0 || t >= mesh.triangle_count())
     throw Error(fmt::format("triangle {}", t), "there is no such triangle",

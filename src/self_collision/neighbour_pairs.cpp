@@ -90,6 +90,10 @@ std::vector<NeighbourPair> list_neighbours(const Bvh& bvh, std::span<const LeafV
   return NeighbourLister(bvh.nodes(), leaves).take_all();
 }
 
+std::size_t piece_count(const Bvh& bvh) {
+  return std::clamp<std::size_t>(bvh.nodes().size() / 64, 16, 512);
+}
+
 SelfWork split_self_work(const Bvh& bvh, std::span<const NeighbourPair> neighbours, const SparedNodes& spared,
                          std::size_t wanted) {
   SelfWork work;

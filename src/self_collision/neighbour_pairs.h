@@ -18,6 +18,10 @@ std::vector<LeafVertices> list_leaf_vertices(const Bvh& bvh, std::span<const Ver
 /// @param leaves  of the same hierarchy, see list_leaf_vertices()
 std::vector<NeighbourPair> list_neighbours(const Bvh& bvh, std::span<const LeafVertices> leaves);
 
+/// How many pieces to cut a search of a hierarchy into: enough that threads stay busy where pieces differ in size, and
+/// not so many that they are hardly begun, for one thread cuts while the others wait.
+std::size_t piece_count(const Bvh& bvh);
+
 /// A search of a surface against itself, cut into independent pieces.
 struct SelfWork {
   std::vector<SelfPiece> pieces;
