@@ -90,9 +90,9 @@ check-format:
 # Source by source, as they stand: clang-tidy cannot read what GCC precompiled. Nothing is built.
 lint: UNITY = OFF
 lint:
-	$(INSTALL) build test lint
-	$(CONFIGURE) --preset release -B build/lint -DSELVAGE_BUILD_TESTS=ON -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON
-	run-clang-tidy -quiet -j $(JOBS) -p build/lint '/(src|tests)/'
+	$(INSTALL) build test bench lint
+	$(CONFIGURE) --preset benchmark -B build/lint -DSELVAGE_BUILD_TESTS=ON -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON
+	run-clang-tidy -quiet -j $(JOBS) -p build/lint '/(src|tests|benchmarks)/'
 
 ## install     install the library and the tool under PREFIX (/usr/local)
 install: cli

@@ -55,9 +55,11 @@ const Ball& shared_ball(std::int64_t count) {
 
 /// Points inside the ball, at `depth` of its radius below the surface, near one another in turn.
 std::vector<Vec3> inner_points(double depth) {
-  std::vector<Vec3> points;
-  for (int i = 0; i < 4000; ++i)
-    points.push_back((1 - depth) * ball_point(0.3 + 0.2 * (i % 63) / 63.0, 0.2 + 0.6 * (i / 63) / 64.0));
+  std::vector<Vec3> points(4000);
+  for (int i = 0; i < 4000; ++i) {
+    const int row = i / 63, column = i % 63;
+    points[i] = (1 - depth) * ball_point(0.3 + 0.2 * column / 63.0, 0.2 + 0.6 * row / 64.0);
+  }
   return points;
 }
 

@@ -63,7 +63,7 @@ const Surface& surface_of(int kind) {
   return found->second;
 }
 
-void Culling(benchmark::State& state) {
+void culling(benchmark::State& state) {
   constexpr const char* kNames[] = {"waved cloth", "pipe", "crumpled sheet"};
   const Surface& surface = surface_of(static_cast<int>(state.range(0)));
   SelfCollisionOptions options;
@@ -83,7 +83,7 @@ void Culling(benchmark::State& state) {
       static_cast<double>(counters.cleared_triangles) / static_cast<double>(surface.mesh.triangle_count());
   state.counters["box_pairs"] = static_cast<double>(counters.box_pairs);
 }
-BENCHMARK(Culling)->ArgsProduct({{0, 1, 2}, {0, 1, 2, 3, 4, 5, 6}})->Unit(benchmark::kMillisecond);
+BENCHMARK(culling)->Name("Culling")->ArgsProduct({{0, 1, 2}, {0, 1, 2, 3, 4, 5, 6}})->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace selvage

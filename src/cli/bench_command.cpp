@@ -74,8 +74,9 @@ int run_program(const fs::path& program, std::vector<std::string> words, bool qu
 void run_bench(BenchOptions& options) {
   const auto program = find_bench_program();
   if (!program) {
-    throw Error("bench", "the measurements are not built",
-                "build them with `cmake --preset benchmark && cmake --build --preset benchmark`");
+    throw Error("bench", "the measurements are not built beside this program",
+                "build them with `cmake --preset benchmark && cmake --build --preset benchmark` and run "
+                "build/benchmark/selvage bench");
   }
   if (options.names.empty()) options.names.assign(kAll.begin(), kAll.end());
   const std::string& json = options.common.json;

@@ -61,7 +61,7 @@ class ProgramTest : public ::testing::Test {
 
   /// Expects the run to succeed in silence on standard error.
   Outcome run_well(const std::string& arguments) const {
-    const Outcome outcome = run(arguments);
+    Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.status, 0) << "selvage " << arguments << "\n" << outcome.err;
     EXPECT_EQ(outcome.err, "") << "selvage " << arguments;
     return outcome;
