@@ -11,11 +11,9 @@ namespace selvage {
 
 MeshSolid::MeshSolid(const std::string& where, const MeshShape& shape)
     : positions_(shape.positions), mesh_(static_cast<Index>(shape.positions.size()), shape.triangles) {
-  lower_ = upper_ = positions_.front();
   for (const Vec3& p : positions_) {
     if (!p.allFinite()) throw Error(where, "a position of its mesh is not finite");
-    lower_ = lower_.cwiseMin(p);
-    upper_ = upper_.cwiseMax(p);
+    bounds_.extend(p);
   }
   for (Index e = 0; e < mesh_.edge_count(); ++e)
     if (mesh_.edge_triangles(e).size() != 2)
@@ -42,7 +40,7 @@ MeshSolid::MeshSolid(const std::string& where, const MeshShape& shape)
 }
 
 std::optional<Hit> MeshSolid::find_hit(const Vec3& p) const {
-  if (!(p.array() > lower_.array()).all() || !(p.array() < upper_.array()).all()) return {};
+  if (!bounds_.contains(p)) return {};
   ClosestPoint<3, 3> nearest;
   nearest.squared_distance = std::numeric_limits<double>::infinity();
   Index triangle = kNone;

@@ -5,6 +5,7 @@
 #include "selvage/mesh/triangle_mesh.h"
 #include "selvage/simulation/collider.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <optional>
 
@@ -23,6 +24,7 @@ class MeshSolid {
   MeshSolid(const std::string& where, const MeshShape& shape);
 
   std::optional<Hit> find_hit(const Vec3& p) const;
+  const Eigen::AlignedBox3d& bounds() const { return bounds_; }
 
  private:
   std::vector<Vec3> positions_;
@@ -30,7 +32,7 @@ class MeshSolid {
   Bvh bvh_;
   /// Pseudo-normals (Baerentzen and Aanaes 2005): of any length, and on the right side of all faces around.
   std::vector<Vec3> triangle_normals_, edge_normals_, vertex_normals_;
-  Vec3 lower_, upper_;
+  Eigen::AlignedBox3d bounds_;
 };
 
 /// A collider made ready. A container of six walls is six obstacles.
@@ -82,5 +84,30 @@ std::vector<Obstacle> make_obstacles(std::span<const Collider> colliders);
 
 /// @throws Error  when a motion is impossible
 void check_motion(const std::string& where, const Motion& motion);
+
+/// Whether no point of a box is inside a solid, for certain: most vertices are far from all colliders, and are passed
+/// over many at a time.
+inline bool is_clear(const PlaneShape& plane, const Eigen::AlignedBox3d& box) {
+  const Vec3 middle = box.center() - plane.point, half = 0.5 * box.sizes();
+  const double size = box.min().lpNorm<1>() + box.max().lpNorm<1>() + plane.point.lpNorm<1>();
+  return plane.normal.dot(middle) - plane.normal.cwiseAbs().dot(half) > 1e-12 * size;
+}
+
+inline bool is_clear(const Bowl& bowl, const Eigen::AlignedBox3d& box) {
+  const Vec3 farthest = (box.min() - bowl.centre).cwiseAbs().cwiseMax((box.max() - bowl.centre).cwiseAbs());
+  return farthest.norm() < (1 - 1e-12) * bowl.radius || is_clear(PlaneShape{bowl.centre, bowl.axis}, box);
+}
+
+inline bool is_clear(const SphereShape& sphere, const Eigen::AlignedBox3d& box) {
+  return box.exteriorDistance(sphere.centre) * (1 - 1e-12) > sphere.radius;
+}
+
+inline bool is_clear(const CylinderShape& cylinder, const Eigen::AlignedBox3d& box) {
+  return is_clear(SphereShape{cylinder.centre, std::hypot(cylinder.radius, cylinder.length / 2)}, box);
+}
+
+inline bool is_clear(const MeshSolid& solid, const Eigen::AlignedBox3d& box) {
+  return !solid.bounds().intersects(box);
+}
 
 }  // namespace selvage
