@@ -201,15 +201,15 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     course.measure(state, 0, report.frames.emplace_back());
     store(folder, state, report.frames.back());
   }
-  report.fingerprint = fingerprint_of(state);
   if (options.on_frame) options.on_frame(report.frames.back());
   const std::int64_t last = options.frames.value_or(scene.frames);
   for (std::int64_t frame = report.first_frame + 1; frame <= last; ++frame) {
     if (!advance(course, frame, state, report)) break;
     store(folder, state, report.frames.back());
-    report.fingerprint = fingerprint_of(state);
     if (options.on_frame) options.on_frame(report.frames.back());
   }
+  // A frame that failed has moved on from the last whole one.
+  report.fingerprint = fingerprint_of(report.outcome == RunOutcome::kFinished ? state : folder.find_stop()->state);
   folder.store_summary(summarize_run(scene, report));
   return report;
 }
