@@ -223,7 +223,9 @@ void ContactFinder::State::append_ways_out(std::span<const Vec3> positions, std:
   if (euclidean) euclidean->place(positions);
   const std::vector<BoundaryPath<3>> found = find_ways_out(points, positions);
   statistics.path_queries += std::ssize(points);
-  for (std::size_t i = 0; i < points.size(); ++i)
+  // By DCD alone an upright point leaves by a face at a turned vertex, too: nothing but contacts parts what is inside,
+  // and while it is, it holds what is to turn back.
+  for (std::size_t i = 0; i < points.size() && splits(); ++i)
     if (found[i].status == PathStatus::kFound &&
         turned.has_any(mesh.boundary_faces()[found[i].face], found[i].barycentric))
       waits[points[i].tangle] = 1;

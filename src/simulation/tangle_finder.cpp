@@ -1,5 +1,7 @@
 #include "simulation/tangle_finder.h"
 
+#include "contact/turned_vertices.h"
+
 #include <algorithm>
 
 namespace selvage {
@@ -24,12 +26,13 @@ TangleFinder::TangleFinder(const TetMesh& mesh, std::span<const Vec3> positions)
 ResolveIteration TangleFinder::measure(std::span<const Vec3> positions) {
   contact_finder_.begin_step(positions);
   contact_finder_.find_contacts(positions, contacts_);
+  const std::int64_t left_out = leave_out_turned_faces(positions);
   pair_finder_.update(positions);
   pairs_ = pair_finder_.find_pairs();
   ResolveIteration now;
   now.triangle_pairs = std::ssize(pairs_);
   now.blocked_points = contact_finder_.statistics().blocked_paths;
-  now.waiting_points = contact_finder_.statistics().waiting_points;
+  now.waiting_points = contact_finder_.statistics().waiting_points + left_out;
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const double depth = std::max(0.0, -gap_of(contacts_[i], positions));
     now.deepest = std::max(now.deepest, depth);
@@ -47,6 +50,14 @@ ResolveIteration TangleFinder::measure(std::span<const Vec3> positions) {
     }
   }
   return now;
+}
+
+/// A face at an inverted element is no way out before that is turned: unlike in a simulation nothing moves meanwhile.
+std::int64_t TangleFinder::leave_out_turned_faces(std::span<const Vec3> positions) {
+  const TurnedVertices turned(mesh_, positions);
+  return std::erase_if(contacts_, [&](const Contact& contact) {
+    return turned.has_any(std::span(contact.vertices).first(contact.count), contact.weights);
+  });
 }
 
 std::vector<Index> TangleFinder::find_elements() const {

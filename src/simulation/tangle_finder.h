@@ -21,6 +21,8 @@ class TangleFinder {
   std::vector<Index> find_elements() const;
 
  private:
+  std::int64_t leave_out_turned_faces(std::span<const Vec3> positions);
+
   const TetMesh& mesh_;
   ContactFinder contact_finder_;
   SelfCollisionFinder pair_finder_;

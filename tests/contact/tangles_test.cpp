@@ -60,12 +60,29 @@ TEST(Tangles, AreOnePointEachInOtherPieces) {
   EXPECT_EQ(scraps.number(false), (Numbers{0, 1, 2, 3, 4})) << "as every point, where no pieces are told";
 }
 
-bool has_turned_vertex(const TetMesh& mesh, std::span<const Vec3> positions, const Contact& contact) {
-  return std::any_of(contact.vertices.begin(), contact.vertices.begin() + contact.count, [&](Index v) {
+bool any_turned(const TetMesh& mesh, std::span<const Vec3> positions, std::span<const Index> vertices) {
+  return std::any_of(vertices.begin(), vertices.end(), [&](Index v) {
     const auto around = mesh.vertex_elements(v);
     return std::any_of(around.begin(), around.end(),
                        [&](Index e) { return orientation(corners_of(mesh.elements()[e], positions)) < 0; });
   });
+}
+
+/// Of a boundary vertex or edge that is inside: an end of an edge that has no weight is not in the contact.
+bool has_turned_point(const TetMesh& mesh, std::span<const Vec3> positions, const TriangleMesh& surface,
+                      const Contact& contact) {
+  std::vector<Index> point{contact.point_feature};
+  if (contact.kind == ContactKind::kEdgePath) {
+    const auto& ends = surface.edges()[contact.point_feature];
+    point.assign(ends.begin(), ends.end());
+  }
+  const auto end = contact.vertices.begin() + contact.count;
+  std::erase_if(point, [&](Index v) { return std::find(contact.vertices.begin(), end, v) == end; });
+  return any_turned(mesh, positions, point);
+}
+
+bool has_turned_surface(const TetMesh& mesh, std::span<const Vec3> positions, const Contact& contact) {
+  return any_turned(mesh, positions, mesh.boundary_faces()[contact.surface_feature]);
 }
 
 std::vector<Contact> contacts_of_step(const TetMesh& mesh, std::span<const Vec3> t0, std::span<const Vec3> t1,
@@ -79,12 +96,14 @@ std::vector<Contact> contacts_of_step(const TetMesh& mesh, std::span<const Vec3>
 
 class Waiting : public testing::TestWithParam<solids::Family> {};
 
-// All that have a vertex of an inverted element, and no others, at whichever end of the step others are inverted.
+// All whose point is at a vertex of an inverted element, and no others, at whichever end of the step others are
+// inverted.
 TEST_P(Waiting, ContactsAreThoseOfInvertedElementsWithoutTangles) {
   for (const solids::Motion& motion : solids::motions()) {
     test::Random random(test::seed(9));
     solids::Solid solid = GetParam().make(random);
     const TetMesh mesh = solid.mesh();
+    const TriangleMesh surface(mesh.vertex_count(), {mesh.boundary_faces().begin(), mesh.boundary_faces().end()});
     ContactOptions options;
     options.mode = DetectionMode::kDcd;
     for (int step = 0; step < 2; ++step) {
@@ -92,7 +111,7 @@ TEST_P(Waiting, ContactsAreThoseOfInvertedElementsWithoutTangles) {
       motion.move(solid.positions, random);
       options.wait_for_inverted = false;
       std::vector<Contact> right = contacts_of_step(mesh, start, solid.positions, options);
-      std::erase_if(right, [&](const Contact& c) { return has_turned_vertex(mesh, start, c); });
+      std::erase_if(right, [&](const Contact& c) { return has_turned_point(mesh, start, surface, c); });
       options.wait_for_inverted = true;
       const std::vector<Contact> kept = contacts_of_step(mesh, start, solid.positions, options);
       ASSERT_EQ(kept.size(), right.size()) << motion.name;
@@ -129,6 +148,7 @@ class WaitingTangles : public testing::TestWithParam<DetectionMode> {
     finder.begin_step(rod.positions);
     finder.find_contacts(rod.positions, contacts);
     statistics = finder.statistics();
+    std::erase_if(contacts, [](const Contact& c) { return c.kind > ContactKind::kCentroidPath; });
     return contacts;
   }
 
@@ -140,8 +160,13 @@ class WaitingTangles : public testing::TestWithParam<DetectionMode> {
     rod.positions[vertex] += 1.1 * (sum / 3 - rod.positions[vertex]);
   }
 
+  bool has_turned_point(const Contact& contact) const {
+    return selvage::has_turned_point(mesh, rod.positions, surface, contact);
+  }
+
   MeshFile rod = make_knotted_rod();
   TetMesh mesh{static_cast<Index>(rod.positions.size()), rod.tetrahedra};
+  TriangleMesh surface{mesh.vertex_count(), {mesh.boundary_faces().begin(), mesh.boundary_faces().end()}};
   ContactStatistics statistics;
 };
 
@@ -153,8 +178,7 @@ TEST_P(WaitingTangles, AreThoseWithAnInvertedElement) {
   const std::vector<Contact> all = find(false), kept = find(true);
   EXPECT_GT(statistics.waiting_points, 0);
   EXPECT_GE(statistics.path_queries + statistics.waiting_points, std::ssize(all));
-  EXPECT_TRUE(std::none_of(kept.begin(), kept.end(),
-                           [&](const Contact& c) { return has_turned_vertex(mesh, rod.positions, c); }));
+  EXPECT_TRUE(std::none_of(kept.begin(), kept.end(), [&](const Contact& c) { return has_turned_point(c); }));
   EXPECT_FALSE(kept.empty()) << "the other crossing";
   std::size_t next = 0, left_out = 0, for_others = 0;
   for (const Contact& contact : all) {
@@ -164,11 +188,24 @@ TEST_P(WaitingTangles, AreThoseWithAnInvertedElement) {
       continue;
     }
     ++left_out;
-    for_others += !has_turned_vertex(mesh, rod.positions, contact);
+    for_others += !has_turned_point(contact);
   }
   EXPECT_EQ(next, kept.size()) << "contacts that are none without waiting";
   EXPECT_GT(left_out, 0);
   EXPECT_EQ(for_others > 0, GetParam() == DetectionMode::kHybrid) << "whole tangles, or each contact for itself";
+}
+
+// The face by which a point is to leave is at an inverted element, the point is not.
+TEST_P(WaitingTangles, LeaveByFacesAtInvertedElementsWhereAllIsFoundByDcd) {
+  const Contact contact = find(true).front();
+  turn_element_of(mesh.boundary_faces()[contact.surface_feature][0]);
+  const std::vector<Contact> all = find(false), kept = find(true);
+  const auto leaves_there = [&](const Contact& c) {
+    return has_turned_surface(mesh, rod.positions, c) && !has_turned_point(c);
+  };
+  const auto count = std::count_if(all.begin(), all.end(), leaves_there);
+  EXPECT_GT(count, 0);
+  EXPECT_EQ(std::count_if(kept.begin(), kept.end(), leaves_there), GetParam() == DetectionMode::kDcd ? count : 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Modes, WaitingTangles, testing::Values(DetectionMode::kDcd, DetectionMode::kHybrid),

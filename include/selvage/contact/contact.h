@@ -69,9 +69,9 @@ struct ContactOptions {
   /// Interior vertices and centroids of elements too, which undoes complete overlaps (SPB section 5.2): everything by
   /// DCD at the end of the step, whatever the mode (but for kOff).
   bool interior_points = false;
-  /// Contacts with a vertex of an element that is inverted at the start of the step wait until the material has turned
-  /// it back: they would hold it. For kHybrid without interior points a piece's whole tangle with itself waits with
-  /// them.
+  /// Points at a vertex of an element that is inverted at the start of the step wait, and impacts there, until the
+  /// material has turned it back: contacts would hold it. For kHybrid without interior points so does what is to leave
+  /// by a face there, and with each such point a piece's whole tangle with itself.
   bool wait_for_inverted = false;
   bool cull_infeasible_regions = true;  ///< SPB section 3.6; changes no contact
 };
