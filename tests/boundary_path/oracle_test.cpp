@@ -51,7 +51,7 @@ TEST(Rationals, ClosestPointOfATriangleOnEachFeature) {
 
 TEST(Rationals, LineMeetsATriangleInAPointAPieceOrNothing) {
   const std::array<RationalVec<3>, 3> face{{{2, 0, 0}, {2, 4, 0}, {2, 0, 4}}};
-  auto meet = [&](RationalVec<3> d) { return oracle::meet_line<3>(face, d); };
+  auto meet = [&](const RationalVec<3>& d) { return oracle::meet_line<3>(face, d); };
   EXPECT_EQ(meet({1, Rational(1, 2), Rational(1, 2)})->first, 2);  // inside
   EXPECT_EQ(meet({2, 0, 0})->first, 1);                            // a vertex
   EXPECT_EQ(meet({-4, -4, 0})->first, Rational(-1, 2));            // an edge, backwards

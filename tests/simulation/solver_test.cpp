@@ -65,7 +65,7 @@ TEST(Refusals, NameWhatIsWrong) {
   const MeshFile box = make_box({0.2, 0.2, 0.2}, 0.1);
   const Model model = make(box, neo_hookean(1e5));
   const State state = make_state(model, model.rest_positions);
-  const auto solve = [&](std::vector<Handle> handles, const XpbdOptions& options = without_contact()) {
+  const auto solve = [&](const std::vector<Handle>& handles, const XpbdOptions& options = without_contact()) {
     return [&model, &state, handles, options] { XpbdSolver(model, state, handles, {}, options); };
   };
   expect_error("handle 1", solve({{{0}}, {{1, 1}}}));
