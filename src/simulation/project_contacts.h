@@ -38,11 +38,11 @@ struct Push {
 /// Moves vertices out of every contact, one after the other in the order given, without friction.
 void push_apart(std::span<const Contact> contacts, const Push& push, std::span<VertexRow> vertices);
 
-/// What an obstacle has done to a vertex in the step in which it last did something: hardly any vertex meets any, and
-/// to clear all for every step takes as long as to project them.
+/// What an obstacle has done to a vertex in the step in which it last did something. Hardly any vertex meets any, so
+/// that nothing goes through all of these to clear them.
 struct ObstacleGrip {
   Grip grip;
-  std::int64_t step = -1;
+  std::int64_t step = -1;  ///< see project_obstacles()
 };
 
 /// Moves vertices out of obstacles, which move from their places at the time `from` to those at the time `to`.
