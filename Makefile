@@ -72,6 +72,16 @@ bench:
 	$(BUILD) benchmark
 	benchmarks/run.sh build/benchmark
 
+# That all benchmarks still compile, without the time to make code of them: `make bench` alone builds them.
+check-benchmarks: SYNTAX := build/benchmark-syntax
+check-benchmarks:
+	$(INSTALL) build bench
+	$(CONFIGURE) --preset benchmark -B $(SYNTAX) -DSELVAGE_BUILD_TESTS=OFF -DSELVAGE_BUILD_CLI=OFF
+	ninja -C $(SYNTAX) -t commands selvage_bench selvage_microbench | \
+	  sed -n 's/ -MD .* \(-c [^ ]*\/benchmarks\/\)/ -fsyntax-only \1/p' >$(SYNTAX)/commands
+	grep -q fsyntax-only $(SYNTAX)/commands
+	xargs -d '\n' -n 1 -P $(JOBS) sh -c <$(SYNTAX)/commands
+
 ## docs        API pages in docs/api/html
 docs:
 	$(INSTALL) docs
@@ -105,5 +115,5 @@ clean:
 help:
 	@sed -n 's/^## /make /p' $(MAKEFILE_LIST)
 
-.PHONY: demo cli test test-long build-tests sanitize sanitize-memory sanitize-threads fuzz bench docs format check-format \
-        lint install clean help
+.PHONY: demo cli test test-long build-tests sanitize sanitize-memory sanitize-threads fuzz bench check-benchmarks docs \
+        format check-format lint install clean help

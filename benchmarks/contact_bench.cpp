@@ -3,10 +3,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <random>
 #include <vector>
 
 #include "geometry/continuous_exact.h"
+#include "random_points.h"
 #include "selvage/geometry/continuous.h"
 #include "selvage/geometry/triangle_triangle.h"
 
@@ -19,18 +19,6 @@ namespace {
 using selvage::MovingPoints;
 using selvage::Vec3;
 
-constexpr std::size_t kCount = 1024;
-
-class Source {
- public:
-  double uniform() { return distribution_(engine_); }
-  Vec3 point(double reach = 1) { return reach * Vec3{uniform(), uniform(), uniform()}; }
-
- private:
-  std::mt19937_64 engine_{1};
-  std::uniform_real_distribution<double> distribution_{-1, 1};
-};
-
 struct TrianglePair {
   std::array<Vec3, 3> a, b;
 };
@@ -38,7 +26,7 @@ struct TrianglePair {
 const std::array<Vec3, 3> kFloor{Vec3{-1, -1, 0}, Vec3{1, -1, 0}, Vec3{0, 1, 0}};
 
 std::vector<TrianglePair> triangle_pairs(const std::array<Vec3, 3>& second, double noise) {
-  Source source;
+  RandomPoints source;
   std::vector<TrianglePair> pairs(kCount);
   for (TrianglePair& pair : pairs) {
     pair = {kFloor, second};
@@ -74,7 +62,7 @@ void run_intersection_segment(benchmark::State& state, const std::vector<Triangl
 /// The first points around one place, the others around 0, with a common motion and noise in all.
 std::vector<MovingPoints> moving_points(const std::array<Vec3, 4>& shape, int first_count, const Vec3& start,
                                         const Vec3& end, double noise) {
-  Source source;
+  RandomPoints source;
   std::vector<MovingPoints> all(kCount);
   for (MovingPoints& points : all) {
     const Vec3 common = source.point();

@@ -3,9 +3,9 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <random>
 #include <vector>
 
+#include "random_points.h"
 #include "selvage/geometry/closest_point.h"
 #include "selvage/geometry/predicates.h"
 
@@ -15,25 +15,13 @@ namespace {
 
 using selvage::Vec3;
 
-constexpr std::size_t kCount = 1024;
-
-class Source {
- public:
-  double uniform() { return distribution_(engine_); }
-  Vec3 point() { return {uniform(), uniform(), uniform()}; }
-
- private:
-  std::mt19937_64 engine_{1};
-  std::uniform_real_distribution<double> distribution_{-1, 1};
-};
-
 struct Query {
   std::array<Vec3, 4> simplex;
   Vec3 point;
 };
 
 std::vector<Query> random_queries(double reach) {
-  Source source;
+  RandomPoints source;
   std::vector<Query> queries(kCount);
   for (Query& query : queries) {
     for (Vec3& vertex : query.simplex) vertex = source.point();
@@ -44,7 +32,7 @@ std::vector<Query> random_queries(double reach) {
 }
 
 std::vector<Query> flat_queries(double scale, double grid) {
-  Source source;
+  RandomPoints source;
   std::vector<Query> queries(kCount);
   for (Query& query : queries) {
     for (Vec3& vertex : query.simplex) {
