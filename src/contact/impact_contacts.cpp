@@ -75,6 +75,28 @@ Vec3 fit_to_surface(const SurfaceStep& step, std::span<const Index> triangles, d
   return rises ? fitting : normal;
 }
 
+/// How far triangles reach through a plane [m].
+double reach_through(const SurfaceStep& step, std::span<const Index> triangles, double time, const Vec3& point,
+                     const Vec3& normal) {
+  double farthest = 0;
+  for (const Index t : triangles)
+    for (const Vec3& corner : MovingSimplex<3>(step, step.surface.triangles()[t], time).at)
+      farthest = std::max(farthest, normal.dot(corner - point));
+  return farthest;
+}
+
+/// The normal of two edges, fitted to the triangles of both. Where what fits the one does not fit the other, either of
+/// them has got a little into the other before: that one is lifted off which is in less deep.
+Vec3 fit_to_edges(const SurfaceStep& step, EdgeEdgePair pair, double time, const Vec3& point, const Vec3& normal) {
+  const auto first = step.surface.edge_triangles(pair.first), second = step.surface.edge_triangles(pair.second);
+  const Vec3 fits_second = fit_to_surface(step, second, time, point, normal);
+  const Vec3 fits_first = -fit_to_surface(step, first, time, point, -fits_second);
+  if (fits_second == normal || fits_first == fits_second) return fits_first;
+  const bool second_in_deeper =
+      reach_through(step, second, time, point, fits_first) > reach_through(step, first, time, point, -fits_second);
+  return second_in_deeper ? fits_second : fits_first;
+}
+
 }  // namespace
 
 std::array<double, 2> closest_places(const std::array<Vec3, 2>& a, const std::array<Vec3, 2>& b) {
@@ -140,9 +162,7 @@ std::optional<Contact> edge_edge_contact(const SurfaceStep& step, EdgeEdgePair p
     const Vec3 approach = weighted(first.velocity, of_first) - weighted(second.velocity, of_second);
     if (normal && time > 0) {
       normal = against(*normal, approach);
-      const Vec3 point = weighted(second.at, of_second);
-      normal = fit_to_surface(step, step.surface.edge_triangles(pair.second), time, point, *normal);
-      normal = -fit_to_surface(step, step.surface.edge_triangles(pair.first), time, point, -*normal);
+      normal = fit_to_edges(step, pair, time, weighted(second.at, of_second), *normal);
       normal = against(*normal, approach);
     }
   } else {

@@ -63,6 +63,39 @@ TEST(Slope, StartsToSlideOnlyAboveStaticFriction) {
   }
 }
 
+/// How fast a block slides on a slope that is another body, whose vertices are held [m/s].
+double slide_on_body(double degrees, double friction, const XpbdOptions& chosen, int steps) {
+  const std::array meshes{moved(make_box({0.4, 0.4, 0.1}, 0.05), {0, 0.3, 1e-4}),
+                          moved(make_box({3, 1, 0.1}, 0.1), {-0.5, 0, -0.1})};
+  const Model model = make(meshes, neo_hookean(1e6, 0.3));
+  State state = make_state(model, model.rest_positions);
+  Handle ground;
+  for (Index v = model.bodies[1].first_vertex; v < model.mesh.vertex_count(); ++v) ground.vertices.push_back(v);
+  XpbdOptions options = chosen;
+  options.static_friction = options.dynamic_friction = friction;
+  const double angle = degrees * M_PI / 180;
+  options.gravity = 9.81 * Vec3(std::sin(angle), 0, -std::cos(angle));
+  XpbdSolver solver(model, state, {ground}, {}, options);
+  for (int i = 0; i < steps; ++i) solver.step(state);
+  return momentum(model, state)[0] / (1000 * 0.4 * 0.4 * 0.1);
+}
+
+TEST(Slope, OfABodyLetsABlockSlideAsCoulombSays) {
+  XpbdOptions options;
+  options.time_step = 1.0 / 600;
+  options.iterations = 10;
+  constexpr int kSteps = 240;
+  for (const DetectionMode mode : {DetectionMode::kHybrid, DetectionMode::kCcd}) {
+    options.contact.mode = mode;
+    EXPECT_LT(std::abs(slide_on_body(15, 0.3, options, kSteps)), 0.01);
+    for (const double friction : {0.0, 0.3}) {
+      const double angle = 20 * M_PI / 180;
+      const double expected = kSteps * options.time_step * 9.81 * (std::sin(angle) - friction * std::cos(angle));
+      EXPECT_NEAR(slide_on_body(20, friction, options, kSteps), expected, 0.03 * expected + 0.01) << friction;
+    }
+  }
+}
+
 MeshShape cube(double size) {
   const MeshFile box = make_box({size, size, size}, size);
   const TetMesh mesh(static_cast<Index>(box.positions.size()), box.tetrahedra);
