@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -106,9 +107,11 @@ Command add_bench(CLI::App& app) {
   auto options = std::make_shared<BenchOptions>();
   CLI::App* sub = add_subcommand(app, "bench", "Runs the measurements behind the figures in the docs.",
                                  "  selvage bench boundary-path --quick --threads 1 --json bench.json\n"
-                                 "  selvage bench simulation --frames 3",
-                                 options->common);
-  sub->add_option("names", options->names, "Measurements to run; without any, all")->type_name("NAME");
+                                 "  selvage bench simulation --frames 3");
+  sub->add_option("names", options->names,
+                  fmt::format("Measurements to run, of {}; without any, all", fmt::join(kAll, ", ")))
+      ->check(CLI::IsMember(std::vector<std::string>(kAll.begin(), kAll.end())))
+      ->type_name("NAME");
   sub->add_flag("--quick", options->quick, "Small meshes and few rounds, to see that it runs");
   sub->add_option("--frames", options->frames, "Frames of each sequence or scene; without, as many as it has")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{100'000}))

@@ -25,19 +25,19 @@ struct CheckOptions {
 };
 
 constexpr const char* kCheckExample =
-    "  selvage check shirt.obj\n"
-    "  selvage check octopus.t --adjacent --json pairs.json --vtu octopus.vtu\n"
-    "  selvage check frame1.ply --to frame2.ply\n"
-    "Exit status 1: there are collisions. In JSON, `triangle_pairs` are pairs of numbers of triangles, from 0, in the\n"
-    "order of the file; of a tetrahedral mesh, in the order of `triangles`, which lists their vertices. `contacts` "
-    "says\n"
-    "of each pair whether it is crossing, touching or a coplanar overlap. With --segments, `segments` has for each "
-    "pair\n"
-    "the ends of what both triangles have in common, or null where they overlap in one plane. The .vtu file holds the "
-    "surface with the\n"
-    "number of each triangle's pairs in `collisions`.\n"
-    "With --to, `vertex_face` are pairs of a vertex and a triangle, `edge_edge` the vertices of two edges, and\n"
-    "`free_step` is the largest fraction of the step without collisions.";
+    "  selvage make rod -o rod.vtu\n"
+    "  selvage make rod --pose self-crossing -o bent.vtu\n"
+    "  selvage check bent.vtu --adjacent --json pairs.json --vtu marked.vtu\n"
+    "  selvage check rod.vtu --to bent.vtu\n"
+    "\n"
+    "Exit status 1: there are collisions.\n"
+    "\n"
+    "In JSON, `triangle_pairs` are pairs of numbers of triangles, from 0, in the order of the file; of a tetrahedral "
+    "mesh, in the order of `triangles`, which lists their vertices. `contacts` says of each pair whether it is "
+    "crossing, touching or a coplanar overlap. With --segments, `segments` has for each pair the ends of what both "
+    "triangles have in common, or null where they overlap in one plane. With --to, `vertex_face` are pairs of a vertex "
+    "and a triangle, `edge_edge` the vertices of two edges, and `free_step` is the largest fraction of the step "
+    "without collisions. The .vtu file holds the surface with the number of each triangle's pairs in `collisions`.";
 
 /// The triangles that are checked: a surface's own, or the boundary of a tetrahedral mesh.
 TriangleMesh surface_of(MeshFile& file) {
@@ -150,6 +150,8 @@ int run_check(const CheckOptions& options) {
     throw Error("--adjacent", "says nothing about a step", "leave it out, or --to");
   if (options.segments && !options.end_mesh.empty())
     throw Error("--segments", "says nothing about a step", "leave it out, or --to");
+  if (options.segments && options.common.json.empty())
+    throw Error("--segments", "says nothing without --json", "add --json FILE");
   if (!options.vtu.empty() && std::filesystem::path(options.vtu).extension() != ".vtu")
     throw Error(options.vtu, "--vtu writes .vtu files only", "give it that extension");
   auto [file, end] = read_poses(options);
@@ -172,7 +174,7 @@ Command add_check(CLI::App& app) {
       add_subcommand(app, "check",
                      "Finds the self-collisions of a surface, or of the boundary of a tetrahedral mesh: all "
                      "pairs of triangles that meet, exactly. Exit status 1: there are some.",
-                     kCheckExample, options->common);
+                     kCheckExample);
   sub->add_option("mesh", options->mesh, "Mesh file")->required()->type_name("MESH");
   sub->add_option("--to", options->end_mesh,
                   "Find what meets while each vertex moves on a straight line from MESH to the same mesh in MESH1: "

@@ -30,12 +30,14 @@ struct Command {
   std::function<int()> run;
 };
 
-/// Declares a subcommand with the options that all have in common.
+/// Declares a subcommand.
 ///
-/// @param common   must outlive the parsing
-/// @param example  command lines shown at the end of the help
+/// @param example  command lines shown at the end of the help, and what is to be said of them
 CLI::App* add_subcommand(CLI::App& app, const std::string& name, const std::string& description,
-                         const std::string& example, CommonOptions& common);
+                         const std::string& example);
+
+/// Declares what all subcommands have in common; after a subcommand's own options, and so behind them in the help.
+void add_common_options(const Command& command);
 
 Command add_info(CLI::App& app);
 Command add_make(CLI::App& app);

@@ -1,11 +1,13 @@
 #include "cli/console.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 
 namespace selvage::cli {
 
@@ -19,7 +21,17 @@ double Stopwatch::total() const {
   return std::chrono::duration<double>(last_ - start_).count();
 }
 
-ProgressBar::ProgressBar(std::string_view task, bool quiet) : task_(task), visible_(!quiet && isatty(STDERR_FILENO)) {}
+namespace {
+
+/// Whether a line on standard error can be drawn over.
+bool shows_progress() {
+  const char* terminal = std::getenv("TERM");
+  return isatty(STDERR_FILENO) && terminal != nullptr && std::string_view(terminal) != "dumb";
+}
+
+}  // namespace
+
+ProgressBar::ProgressBar(std::string_view task, bool quiet) : task_(task), visible_(!quiet && shows_progress()) {}
 
 ProgressBar::~ProgressBar() {
   clear();
@@ -36,12 +48,18 @@ void ProgressBar::show(double fraction, std::string_view note) {
   if (!visible_ || elapsed < 0.5) return;
   const int filled = static_cast<int>(std::clamp(fraction, 0.0, 1.0) * kWidth);
   std::string line =
-      fmt::format("\r{} [{:=<{}}{:{}}] {:3.0f}%", task_, "", filled, "", kWidth - filled, 100 * fraction);
-  if (!note.empty()) line += fmt::format("  {}\033[K", note);
+      fmt::format("{} [{:=<{}}{:{}}] {:3.0f}%  {}", task_, "", filled, "", kWidth - filled, 100 * fraction, note);
+  line.resize(
+      std::min<std::size_t>(line.size(), terminal_width(STDERR_FILENO, 80) - 1));  // else it would not be undone
   if (line == drawn_) return;
-  fmt::print(stderr, "{}", line);
+  fmt::print(stderr, "\r{}\033[K", line);
   std::fflush(stderr);
   drawn_ = std::move(line);
+}
+
+int terminal_width(int descriptor, int otherwise) {
+  winsize size{};
+  return ioctl(descriptor, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : otherwise;
 }
 
 std::string grouped(std::int64_t count) {

@@ -43,6 +43,9 @@ class ProgressBar {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+/// Columns of the terminal behind a file descriptor; `otherwise` where it is none.
+int terminal_width(int descriptor, int otherwise);
+
 /// A count with its digits in groups of three: 12,345.
 std::string grouped(std::int64_t count);
 

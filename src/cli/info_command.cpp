@@ -28,8 +28,9 @@ struct InfoOptions {
 };
 
 constexpr const char* kInfoExample =
-    "  selvage info octopus.t\n"
-    "  selvage info octopus.t --json - | jq .inverted_elements";
+    "  selvage make octopus -o octopus.vtu\n"
+    "  selvage info octopus.vtu\n"
+    "  selvage info octopus.vtu --json - | jq .volume";
 
 std::int64_t count_unused(const MeshFile& file) {
   std::vector<char> used(file.positions.size(), 0);
@@ -169,7 +170,7 @@ Command add_info(CLI::App& app) {
   CLI::App* sub = add_subcommand(app, "info",
                                  "Says what a mesh file holds: counts, boundary, components, inverted and degenerate "
                                  "elements, overwound ridges, bounding box, quality.",
-                                 kInfoExample, options->common);
+                                 kInfoExample);
   sub->add_option("mesh", options->mesh, "Mesh file")->required()->type_name("MESH");
   return {sub, &options->common, [options] {
             run_info(*options);

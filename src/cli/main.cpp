@@ -1,4 +1,6 @@
 #include "cli/command.h"
+#include "cli/console.h"
+#include "cli/help.h"
 #include "cli/output.h"
 #include "selvage/core/error.h"
 
@@ -64,26 +66,28 @@ int run_command(const Command& command) {
 }  // namespace
 
 int run_program(int argc, char** argv) {
-  CLI::App app("selvage finds the self-collisions of deformable meshes, exactly and fast.", "selvage");
-  app.set_version_flag("--version", "selvage " SELVAGE_VERSION);
+  CLI::App app("selvage finds the self-collisions of deformable meshes, exactly and fast, and undoes them.", "selvage");
+  app.formatter(std::make_shared<HelpFormatter>(std::clamp(terminal_width(STDOUT_FILENO, 80), 30, 100)));
+  app.set_help_flag("-h,--help", "Print this help");
+  app.set_version_flag("--version", "selvage " SELVAGE_VERSION, "Print the version");
   app.require_subcommand(1);
   app.footer(
       "`selvage COMMAND --help` explains a command and shows an example.\n"
       "Exit status: 0 done, 1 done and `check` found collisions, 2 bad usage or bad input, 3 the computation failed.");
   const std::array commands{add_info(app),    add_make(app),     add_check(app), add_paths(app),
                             add_resolve(app), add_simulate(app), add_bench(app)};
+  for (const Command& command : commands) add_common_options(command);
   try {
-    app.parse(argc, argv);
+    std::vector<std::string> words = words_of_help({argv + std::min(argc, 1), argv + argc});
+    std::reverse(words.begin(), words.end());  // as CLI11 wants them
+    app.parse(std::move(words));
   } catch (const CLI::Success& success) {
     app.exit(success);
     return std::cout.flush() ? kDone : report("cannot write to standard output", kFailed);
   } catch (const CLI::ParseError& error) {
     const auto parsed = app.get_subcommands();
-    // CLI11 would say that a subcommand is missing where its name is wrong.
-    const bool unknown = parsed.empty() && argc > 1 && argv[1][0] != '-';
-    const std::string what = unknown ? fmt::format("there is no subcommand '{}'", argv[1]) : error.what();
     const std::string help = parsed.empty() ? "selvage --help" : "selvage " + parsed[0]->get_name() + " --help";
-    return report(fmt::format("{}; see `{}`", what, help), kBadInput);
+    return report(fmt::format("{}; see `{}`", explain(app, error), help), kBadInput);
   }
   const auto chosen = std::find_if(commands.begin(), commands.end(), [](const Command& c) { return c.app->parsed(); });
   return run_command(*chosen);

@@ -20,29 +20,34 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+const std::vector<int> kPictureSize{1600, 1000};
+
 struct PathsOptions {
   CommonOptions common;
   std::string mesh, points, csv, vtu, picture;
   bool planar = false, no_culling = false;
   std::vector<double> view;
-  std::vector<int> picture_size{1600, 1000};
+  std::vector<int> picture_size = kPictureSize;
 };
 
 constexpr const char* kPathsExample =
-    "  selvage make octopus --pose swirl -o octopus.t\n"
-    "  selvage paths octopus.t --csv paths.csv --vtu paths.vtu --picture octopus.png\n"
-    "  echo 0,0,0.2 > points.csv && selvage paths octopus.t --points points.csv --json -\n"
-    "Columns of CSV and JSON:\n"
-    "  query                        vertex, or number of the point in its file, from 0 (headers and comments aside)\n"
-    "  x,y,z                        the point [m]\n"
-    "  element                      the element it is taken to be in; nothing: the point lies in no element\n"
-    "  found                        1; 0: no path, or the point is not in the element; the answer's columns are empty\n"
-    "  face,face_id                 vertices of the boundary face, and its number\n"
-    "  b0,b1,b2                     barycentric coordinates of the closest boundary point\n"
-    "  sx,sy,sz,distance            the closest boundary point and its distance [m]\n"
-    "  feature                      face, edge or vertex: where it lies\n"
-    "  nx,ny,nz                     outward normal there\n"
-    "  volumes,faces,culled,traversals,elements    what the search visited";
+    "  selvage make octopus --pose swirl -o octopus.vtu\n"
+    "  selvage paths octopus.vtu --csv paths.csv --picture octopus.png\n"
+    "  echo 0,0,0.2 | selvage paths octopus.vtu --points - --csv -\n"
+    "\n"
+    "Columns of CSV and JSON; in the plane b2 is empty:\n"
+    "  query              vertex; with --points: number of the point, from 0\n"
+    "  x,y,z              the point [m]\n"
+    "  element            the element it is taken to be in; empty: it is in none\n"
+    "  found              1; or 0: no path, or the point is not in the element;\n"
+    "                     then the columns of the answer are empty\n"
+    "  face,face_id       vertices of the boundary face, and its number\n"
+    "  b0,b1,b2           barycentric coordinates of the closest boundary point\n"
+    "  sx,sy,sz,distance  that point, and how far it is [m]\n"
+    "  feature            face, edge or vertex: where it lies\n"
+    "  nx,ny,nz           outward normal there\n"
+    "  volumes,faces,culled,traversals,elements\n"
+    "                     what the search visited";
 
 /// The direction from the mesh to the eye, of length 1.
 Vec3 view_direction(const PathsOptions& options) {
@@ -66,6 +71,9 @@ void expect_outputs(const PathsOptions& options, OutputFiles& outputs) {
   check_extension(options.vtu, "--vtu", ".vtu");
   check_extension(options.picture, "--picture", ".png");
   if (!options.view.empty()) view_direction(options);
+  if (options.picture.empty() && (!options.view.empty() || options.picture_size != kPictureSize))
+    throw Error(options.view.empty() ? "--picture-size" : "--view", "says nothing without --picture",
+                "add --picture FILE.png");
 }
 
 /// Whether the mesh is searched in the plane.
@@ -105,10 +113,12 @@ std::string print_json(const PathsOptions& options, const SearchResult& result, 
   return head + ",\n \"paths\": " + print_json_rows(result.table) + "," + tail.substr(1) + "\n";
 }
 
-std::string caption(const SearchResult& result, const PathTotals& totals) {
-  std::string text = fmt::format("{} {}: {} penetrating points", grouped(result.element_count),
-                                 result.table.planar ? "triangles" : "tetrahedra",
-                                 grouped(static_cast<std::int64_t>(result.table.rows.size())));
+std::string caption(const PathsOptions& options, const SearchResult& result, const PathTotals& totals) {
+  const std::size_t count = result.table.rows.size();
+  std::string text =
+      fmt::format("{} {}: {} {}{}", grouped(result.element_count), result.table.planar ? "triangles" : "tetrahedra",
+                  grouped(static_cast<std::int64_t>(count)), options.points.empty() ? "penetrating " : "",
+                  count == 1 ? "point" : "points");
   if (totals.deepest) text += fmt::format(", deepest {:.4g} m", totals.deepest->distance);
   return text;
 }
@@ -120,7 +130,7 @@ Image draw(const PathsOptions& options, const MeshFile& file, const SearchResult
     if (options.points.empty()) depth[row.query] = std::max({depth[row.query], row.distance, 0.0});
     if (row.found()) paths.push_back({row.point, row.closest, row.distance});
   }
-  PathsScene scene{file.positions, result.surface, result.outline, depth, paths, caption(result, totals)};
+  PathsScene scene{file.positions, result.surface, result.outline, depth, paths, caption(options, result, totals)};
   PictureOptions picture;
   picture.width = options.picture_size[0];
   picture.height = options.picture_size[1];
@@ -199,20 +209,21 @@ Command add_paths(CLI::App& app) {
   CLI::App* sub = add_subcommand(app, "paths",
                                  "Finds shortest paths to the boundary: for every boundary vertex that lies inside an "
                                  "element it does not belong to, or for given points.",
-                                 kPathsExample, options->common);
+                                 kPathsExample);
   sub->add_option("mesh", options->mesh, "Tetrahedral mesh, or triangles in the plane z = 0")
       ->required()
       ->type_name("MESH");
   sub->add_option("--points", options->points,
                   "Points to ask for, one x,y,z or x,y,z,element a line; without an element, one answer for every "
-                  "element that contains the point")
+                  "element that contains the point; - is standard input")
       ->type_name("FILE.csv");
   sub->add_option("--csv", options->csv, "Write the answers as CSV; - is standard output")->type_name("FILE");
   sub->add_option("--vtu", options->vtu, "Write the paths as lines with their depth, for ParaView")
       ->type_name("FILE.vtu");
   sub->add_option("--picture", options->picture, "Draw the mesh and the paths")->type_name("FILE.png");
-  auto* size = sub->add_option("--picture-size", options->picture_size, "Width and height [pixels]")->expected(2);
-  size->check(CLI::Range(64, 8192))->type_name("W H")->capture_default_str();
+  auto* size = sub->add_option("--picture-size", options->picture_size,
+                               "Width and height, from 64 to 8192 [pixels] (1600 1000)");
+  size->expected(2)->check(CLI::Range(64, 8192))->type_name("W H");
   sub->add_option("--view", options->view, "Direction from the mesh to the eye")->expected(3)->type_name("X Y Z");
   sub->add_flag("--planar", options->planar, "Insist on a mesh of triangles in the plane z = 0");
   sub->add_flag("--no-culling", options->no_culling, "Search without infeasible-region culling; same answers");

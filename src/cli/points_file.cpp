@@ -59,7 +59,7 @@ bool is_header(std::string_view line) {
 }  // namespace
 
 std::vector<AskedPoint> read_points(const std::filesystem::path& path, Index element_count) {
-  std::ifstream file(path);
+  std::ifstream file(path == "-" ? "/dev/stdin" : path);
   if (!file) throw Error(path.string(), "cannot be read", "check the name");
   std::vector<AskedPoint> points;
   std::string text;

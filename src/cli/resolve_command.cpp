@@ -26,7 +26,8 @@ struct ResolveCommandOptions {
 constexpr const char* kResolveExample =
     "  selvage make rod --length 8 --radius 0.2 --pose self-crossing -o tangled.vtu\n"
     "  selvage resolve tangled.vtu -o resolved.vtu --json report.json\n"
-    "Vertices far from any tangle keep their coordinates. Where the mesh cannot be resolved the exit status is 3, and\n"
+    "\n"
+    "Vertices far from any tangle keep their coordinates. Where the mesh cannot be resolved the exit status is 3, and "
     "no mesh is written; the report lists the elements that are in the way. See docs/resolve.md.";
 
 constexpr int kListedElements = 8;
@@ -117,7 +118,8 @@ void print_summary(const ResolveCommandOptions& options, const ResolveReport& re
   const auto change = [](double from, double to) { return 100 * (to - from) / std::abs(from); };
   Table table;
   table.add("mesh", options.mesh);
-  table.add("outcome", fmt::format("{} after {} iterations", name_of(report.outcome), after.iteration));
+  table.add("outcome", fmt::format("{} after {} {}", name_of(report.outcome), after.iteration,
+                                   after.iteration == 1 ? "iteration" : "iterations"));
   table.add("triangle pairs",
             fmt::format("{} before, {} after", grouped(before.triangle_pairs), grouped(after.triangle_pairs)));
   table.add("inside before", penetrations(before));
@@ -162,13 +164,16 @@ ResolveReport resolve(ResolveCommandOptions& options, MeshFile& mesh) {
 
 void run_resolve(ResolveCommandOptions& options) {
   Stopwatch watch;
-  std::vector<std::filesystem::path> inputs{options.mesh};
+  std::vector<std::filesystem::path> inputs = files_of_mesh(options.mesh);
   for (const std::string& input : {options.rest, options.pin})
     if (!input.empty()) inputs.emplace_back(input);
   OutputFiles outputs;
   if (options.output == "-") throw Error("-o", "a mesh cannot be written to standard output", "name a file");
   for (const auto& file : files_of_mesh(options.output)) outputs.expect(file.string(), inputs);
   outputs.expect(options.common.json, inputs);
+
+  if (!(options.limits.max_displacement > 0))
+    throw Error("--max-displacement", fmt::format("is {}", options.limits.max_displacement), "give a length above 0");
 
   MeshFile mesh = read_solid(options.mesh);
   check_format_holds(options.output, mesh);
@@ -193,7 +198,7 @@ Command add_resolve(CLI::App& app) {
   CLI::App* sub = add_subcommand(app, "resolve",
                                  "Moves a tangled mesh of tetrahedra, at rest, to a state without self-collision, and "
                                  "leaves it as it is where it is not tangled.",
-                                 kResolveExample, options->common);
+                                 kResolveExample);
   sub->add_option("mesh", options->mesh, "Mesh file")->required()->type_name("MESH");
   sub->add_option("-o,--output", options->output, "Mesh file to write; its extension tells the format")
       ->required()
@@ -205,7 +210,6 @@ Command add_resolve(CLI::App& app) {
       ->expected(6)
       ->type_name("X Y Z X Y Z");
   sub->add_option("--max-displacement", options->limits.max_displacement, "How far a vertex may go, in all [m]")
-      ->check(CLI::PositiveNumber)
       ->type_name("D");
   sub->add_option("--clearance", options->limits.clearance,
                   "How close what met may come again, as a part of the boundary's mean edge length (0.05)")

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <filesystem>
 #include <memory>
 
 namespace selvage::cli {
@@ -22,13 +24,20 @@ struct SimulateOptions {
 constexpr const char* kSimulateExample =
     "  selvage simulate scenes/octopi_8_hybrid.json -o octopi --vtu\n"
     "  selvage simulate scenes/octopi_8_hybrid.json -o octopi --resume --frames 120\n"
+    "\n"
     "The folder holds, after each frame:\n"
-    "  frames/frame_000012.bin      positions, after a header of 64 bytes:\n"
-    "                               numpy.fromfile(name, '<f4', offset=64).reshape(-1, 3)\n"
-    "  topology.bin                 elements, body of each vertex, boundary faces\n"
-    "  statistics.csv               a row a frame: contacts, shortest paths, penetration, seconds\n"
-    "  checkpoint.bin               what --resume continues from\n"
+    "  frames/frame_000012.bin  positions, after a header of 64 bytes:\n"
+    "                           numpy.fromfile(name, '<f4', offset=64).reshape(-1, 3)\n"
+    "  topology.bin             elements, body of each vertex, boundary faces\n"
+    "  statistics.csv           a row a frame: contacts, paths, penetration, seconds\n"
+    "  checkpoint.bin           what --resume continues from\n"
     "and at the end summary.json. Scenes and files are explained in docs/simulation.md.";
+
+std::string frames_a_minute(double frames, double seconds) {
+  const double pace = 60 * frames / seconds;
+  return pace < 100 ? fmt::format("{:.2g} frames a minute", pace)
+                    : fmt::format("{} frames a minute", grouped(std::llround(pace)));
+}
 
 /// Frames per minute and what is left, while the run goes on.
 class FrameProgress {
@@ -44,8 +53,7 @@ class FrameProgress {
     const auto done = static_cast<double>(frame - first_), left = static_cast<double>(last_ - frame);
     std::string note = fmt::format("{} of {}", frame, last_);
     if (done > 0)
-      note += fmt::format(", {:.3g} frames a minute, {} left", 60 * done / seconds,
-                          readable_duration(left * seconds / done));
+      note += fmt::format(", {}, {} left", frames_a_minute(done, seconds), readable_duration(left * seconds / done));
     bar_.show(last_ > 0 ? static_cast<double>(frame) / static_cast<double>(last_) : 1, note);
   }
   void clear() { bar_.clear(); }
@@ -76,8 +84,8 @@ void print_summary(const SimulateOptions& options, const Scene& scene, const Run
                                                       grouped(last.penetrating_vertices), last.deepest_penetration));
   table.add("inverted elements", grouped(last.inverted_elements));
   table.add("fastest vertex", fmt::format("{:.3g} m/s", last.fastest));
-  table.add("time", run > 0 ? fmt::format("{}, {:.3g} frames a minute", readable_duration(seconds),
-                                          60 * static_cast<double>(run) / seconds)
+  table.add("time", run > 0 ? fmt::format("{}, {}", readable_duration(seconds),
+                                          frames_a_minute(static_cast<double>(run), seconds))
                             : readable_duration(seconds));
   table.add("files", options.folder);
   table.print();
@@ -98,6 +106,8 @@ void run_simulate(const SimulateOptions& options) {
   Stopwatch watch;
   OutputFiles outputs;
   outputs.expect(options.common.json, {options.scene});
+  if (std::filesystem::exists(options.folder) && !std::filesystem::is_directory(options.folder))
+    throw Error(options.folder, "is a file", "name a folder for the run");
   const Scene scene = read_scene(options.scene, options.scale);
   RunOptions run = run_options(options);
   FrameProgress progress(run.frames.value_or(scene.frames), options.common.quiet);
@@ -120,7 +130,7 @@ Command add_simulate(CLI::App& app) {
   CLI::App* sub = add_subcommand(app, "simulate",
                                  "Runs a scene of deformable bodies that touch themselves and one another. A run that "
                                  "was killed is continued with --resume and ends as if it had never stopped.",
-                                 kSimulateExample, options->common);
+                                 kSimulateExample);
   sub->add_option("scene", options->scene, "Scene file")->required()->type_name("SCENE.json");
   sub->add_option("-o,--output", options->folder, "Folder of the run; made if it is not there")
       ->required()

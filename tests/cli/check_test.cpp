@@ -58,6 +58,7 @@ TEST_F(CheckTest, TellsWhatPairsHaveInCommon) {
   write_text(file("flat.off"), "OFF\n6 2 0\n0 0 0\n4 0 0\n0 4 0\n1 1 0\n5 1 0\n1 5 0\n3 0 1 2\n3 3 4 5\n");
   EXPECT_EQ(check("flat.off --segments", 1)["segments"], json::parse("[null]"));
   expect_refused("check four.off --to four.off --segments", 2, {"--segments"});
+  expect_refused("check four.off --segments", 2, {"--segments", "--json"});
 }
 
 TEST_F(CheckTest, ExitStatusTellsWhetherThereAreCollisions) {

@@ -153,6 +153,7 @@ TEST_F(PathsTest, CsvLeavesUnknownFieldsEmpty) {
   make_box();
   write_text(file("points.csv"), "5,5,5\n");
   const auto lines = lines_of(run_well("paths box.t --points points.csv --csv -").out);
+  EXPECT_EQ(lines_of(run_well("paths box.t --points - --csv - < points.csv").out), lines);
   ASSERT_EQ(lines.size(), 2u);
   EXPECT_EQ(lines[1], "0,5,5,5,,0,,,,,,,,,,,,,,0,0,0,0,0");
 }
