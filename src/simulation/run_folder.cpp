@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -36,10 +37,16 @@ void make_folder(const fs::path& folder) {
   if (error) fail_to_write(folder, error.message());
 }
 
-/// The number in a name as frame_000012.bin, whatever follows it; -1 if it is no such name.
-std::int64_t frame_number(const std::string& name) {
+/// Whether the name is that of a file, or of one on its way there (write_whole_files()).
+bool is_file_or_part(std::string_view name, std::string_view file) {
+  return name == file || (name.starts_with(fmt::format("{}.", file)) && name.ends_with(".part"));
+}
+
+/// The number in a name as frame_000012.bin, also of a part of such a file; -1 if it is no such name.
+std::int64_t frame_number(const std::string& name, std::string_view extension) {
   long long number = -1;
-  return std::sscanf(name.c_str(), "frame_%lld.", &number) == 1 ? number : -1;
+  if (std::sscanf(name.c_str(), "frame_%lld.", &number) != 1 || number < 0) return -1;
+  return is_file_or_part(name, fmt::format("frame_{:06}{}", number, extension)) ? number : -1;
 }
 
 fs::path vtu_path(const fs::path& folder, std::int64_t frame) {
@@ -114,13 +121,24 @@ std::optional<RunFolder::Stop> RunFolder::find_stop() const {
 }
 
 void RunFolder::clear_unfinished(std::int64_t last_frame) const {
-  for (const char* name : {"", "frames", "vtu", "surface"}) {
+  // Nothing but what a run writes: others may have put pictures of the frames beside them.
+  const auto remove_if = [](const fs::path& folder, const auto& is_unfinished) {
     std::error_code error;
-    for (const auto& entry : fs::directory_iterator(options_.folder / name, error)) {
-      const bool part = entry.path().extension() == ".part";
-      if (part || frame_number(entry.path().filename().string()) > last_frame) fs::remove(entry.path(), error);
-    }
-  }
+    for (const auto& entry : fs::directory_iterator(folder, error))
+      if (is_unfinished(entry.path().filename().string())) fs::remove(entry.path(), error);
+  };
+  constexpr std::array<std::pair<const char*, const char*>, 4> kFrames{
+      {{"frames", ".bin"}, {"vtu", ".vtu"}, {"surface", ".ply"}, {"surface", ".obj"}}};
+  for (const auto& [name, extension] : kFrames)
+    remove_if(options_.folder / name, [&, extension = extension](const std::string& file) {
+      return frame_number(file, extension) > last_frame ||
+             (file.ends_with(".part") && frame_number(file, extension) >= 0);
+    });
+  remove_if(options_.folder, [](const std::string& file) {
+    constexpr std::array kOthers{"topology.bin", "checkpoint.bin", "statistics.csv", "frames.pvd", "summary.json"};
+    return file.ends_with(".part") &&
+           std::any_of(kOthers.begin(), kOthers.end(), [&](const char* name) { return is_file_or_part(file, name); });
+  });
 }
 
 void RunFolder::begin() const {

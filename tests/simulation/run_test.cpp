@@ -154,6 +154,27 @@ TEST(Run, EndsTheSameWhereverItWasCut) {
   }
 }
 
+TEST(Run, RemovesNothingThatIsNotItsOwn) {
+  const Scene scene = scene_of(falling_blocks());
+  const TemporaryFolder folder;
+  const std::vector<std::string> others{"frame_000001.png",        "frame_000002.bin",   "notes.part",
+                                        "frames/frame_000003.png", "frames/frame_3.bin", "vtu/frame_000004.vtu.gz",
+                                        "surface/frame_000005.stl"};
+  const std::vector<std::string> parts{"checkpoint.bin.1-1.part", "frames/frame_000001.bin.1-2.part",
+                                       "surface/frame_000001.obj.1-3.part", "vtu/frame_000009.vtu.1-4.part"};
+  for (const char* name : {"frames", "vtu", "surface"}) fs::create_directory(folder.path() / name);
+  for (const std::string& name : others) write_text(folder.path() / name, name);
+  for (const int frames : {2, 3}) {
+    for (const std::string& name : parts) write_text(folder.path() / name, "x");
+    RunOptions options = to(folder.path());
+    options.frames = frames;
+    options.resume = true;
+    run_scene(scene, options);
+    for (const std::string& name : others) EXPECT_EQ(read_text(folder.path() / name), name);
+    for (const std::string& name : parts) EXPECT_FALSE(fs::exists(folder.path() / name)) << name;
+  }
+}
+
 TEST(Run, IsContinuedBeyondItsEnd) {
   const Scene scene = scene_of(falling_blocks());
   const TemporaryFolder folder, whole;
