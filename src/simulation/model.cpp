@@ -36,7 +36,9 @@ void check_size(std::string_view what, std::size_t size, Index vertex_count) {
 
 void check_finite(std::span<const Vec3> positions) {
   for (std::size_t v = 0; v < positions.size(); ++v)
-    if (!positions[v].allFinite()) throw Error(fmt::format("vertex {}", v), "its position is not finite");
+    if (!is_in_range(positions[v]))
+      throw Error(fmt::format("vertex {}", v), "its position is not finite, or not in single precision",
+                  "keep coordinates below 3e38");
 }
 
 void check_bodies(const Model& model) {

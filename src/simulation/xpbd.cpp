@@ -152,7 +152,7 @@ struct XpbdSolver::Parts {
     const First first =
         parallel_reduce<First>(vertex_count(), kGrain, [&](std::int64_t begin, std::int64_t end, First& result) {
           for (std::int64_t v = begin; v < end; ++v)
-            if (!position(static_cast<Index>(v)).allFinite()) result.add({static_cast<Index>(v)});
+            if (!is_in_range(position(static_cast<Index>(v)))) result.add({static_cast<Index>(v)});
         });
     if (first.vertex == std::numeric_limits<Index>::max()) return;
     throw Error(fmt::format("vertex {}", first.vertex),

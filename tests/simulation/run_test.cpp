@@ -251,6 +251,18 @@ TEST(Run, ExplosionNamesTheFrame) {
   EXPECT_EQ(run_scene(parse_scene(text, "far.json"), to_last).fingerprint, report.fingerprint);
 }
 
+TEST(Run, FramesHoldNothingInfinite) {
+  // A speed that doubles hold for long and single precision does not.
+  const TemporaryFolder folder;
+  const std::string text = R"({"selvage_scene": 1, "frames": 9, "frames_per_second": 1, "substeps": 1,
+    "bodies": [{"mesh": {"shape": "box", "size": [1, 1, 1], "cell": 1}, "velocity": [0, 1e38, 0]}]})";
+  const RunReport report = run_scene(parse_scene(text, "far.json"), to(folder.path()));
+  EXPECT_EQ(report.outcome, RunOutcome::kExploded);
+  EXPECT_NE(report.message.find("frame 4: vertex 0"), std::string::npos) << report.message;
+  ASSERT_EQ(report.frames.back().frame, 3);
+  for (const Vec3& p : read_frame(frame_path(folder.path(), 3)).positions) EXPECT_TRUE(p.allFinite());
+}
+
 TEST(Run, ImpossibleHandlesAreNamed) {
   const TemporaryFolder folder;
   const std::string text = R"({"selvage_scene": 1, "frames": 30, "substeps": 2, "gravity": [0, 0, 0],

@@ -3,6 +3,7 @@
 #include "selvage/core/types.h"
 #include "selvage/mesh/simplex_mesh.h"
 
+#include <limits>
 #include <string>
 
 namespace selvage {
@@ -64,6 +65,11 @@ struct State {
   double time = 0;               ///< [s]: steps * time_step
   std::int64_t steps = 0;        ///< done so far
 };
+
+/// Whether a position is finite, also in the single precision in which frames hold it.
+inline bool is_in_range(const Vec3& position) {
+  return (position.array().abs() <= std::numeric_limits<float>::max()).all();
+}
 
 /// The model at time 0 in given positions, its bodies at their initial velocities.
 /// @throws Error  when sizes differ or a position is not finite
