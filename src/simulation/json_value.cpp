@@ -51,6 +51,53 @@ std::string plain_message(const std::exception& error) {
   return end == std::string::npos ? text : text.substr(end + 2);
 }
 
+std::string joined_path(const std::string& path, const std::string& key) {
+  const bool plain = !key.empty() && std::all_of(key.begin(), key.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '-';
+  });
+  if (!plain) return fmt::format("{}[{}]", path, quoted_text(key));
+  return path.empty() ? key : path + "." + key;
+}
+
+/// Where a parser is, and the first key that an object has twice.
+class PlaceInText {
+ public:
+  void note(Json::parse_event_t event, const Json& value) {
+    using Event = Json::parse_event_t;
+    if (event == Event::key) return enter_member(value.get_ref<const std::string&>());
+    if (event == Event::object_end || event == Event::array_end) levels_.pop_back();
+    const bool begins = event == Event::object_start || event == Event::array_start;
+    if (begins) levels_.push_back({event == Event::array_start, 0, {}, {}});
+    // An item is over; what begins is over when it has ended.
+    if (!begins && !levels_.empty()) ++levels_.back().item;
+  }
+
+  std::string path() const {
+    std::string path;
+    for (const Level& level : levels_) {
+      if (level.is_list) path += fmt::format("[{}]", level.item);
+      if (!level.is_list) path = joined_path(path, level.key);
+    }
+    return path;
+  }
+  const std::string& twice() const { return twice_; }
+
+ private:
+  struct Level {
+    bool is_list;
+    std::size_t item;
+    std::string key;
+    std::set<std::string> keys;
+  };
+  void enter_member(const std::string& key) {
+    levels_.back().key = key;
+    if (!levels_.back().keys.insert(key).second && twice_.empty()) twice_ = path();
+  }
+
+  std::vector<Level> levels_;
+  std::string twice_;
+};
+
 }  // namespace
 
 void JsonValue::fail(std::string_view what, std::string_view allowed) const {
@@ -58,11 +105,7 @@ void JsonValue::fail(std::string_view what, std::string_view allowed) const {
 }
 
 std::string JsonValue::path_of(const std::string& key) const {
-  const bool plain = !key.empty() && std::all_of(key.begin(), key.end(), [](unsigned char c) {
-    return std::isalnum(c) != 0 || c == '_' || c == '-';
-  });
-  if (!plain) return fmt::format("{}[{}]", path_, quoted_text(key));
-  return path_.empty() ? key : path_ + "." + key;
+  return joined_path(path_, key);
 }
 
 std::string JsonValue::shown() const {
@@ -180,24 +223,23 @@ void JsonObject::refuse_others() const {
 }
 
 Json parse_json(std::string_view text, const std::string& file) {
-  std::vector<std::set<std::string>> keys;
-  std::string twice;
+  PlaceInText place;
   const auto watch = [&](int, Json::parse_event_t event, Json& value) {
-    if (event == Json::parse_event_t::object_start) keys.emplace_back();
-    if (event == Json::parse_event_t::object_end) keys.pop_back();
-    if (event == Json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second && twice.empty())
-      twice = value.get<std::string>();
+    place.note(event, value);
     return true;
   };
   Json json;
   try {
     json = Json::parse(text, watch);
+  } catch (const Json::out_of_range&) {
+    throw Error(fmt::format("{}: {}", file, place.path()), "is a number too large", "use a finite number");
   } catch (const nlohmann::json::exception& error) {
     std::string message = plain_message(error);
     std::replace(message.begin(), message.end(), '\n', ' ');
     throw Error(file, message, "write valid JSON");
   }
-  if (!twice.empty()) throw Error(file, fmt::format("an object has {} twice", quoted_text(twice)), "keep one of them");
+  if (!place.twice().empty())
+    throw Error(fmt::format("{}: {}", file, place.twice()), "is there twice", "keep one of them");
   return json;
 }
 

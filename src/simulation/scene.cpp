@@ -2,7 +2,9 @@
 
 #include "mesh/whole_file.h"
 #include "selvage/core/error.h"
+#include "selvage/geometry/predicates.h"
 #include "simulation/fingerprint.h"
+#include "simulation/obstacle.h"
 #include "simulation/scene_description.h"
 
 #include <fmt/format.h>
@@ -98,8 +100,13 @@ void Assembly::add_copy(const BodyDescription& body, const TwoShapes& shapes, co
                     static_cast<Index>(shapes.rest.tetrahedra.size()), body.material, body.velocity});
   for (const Vec3& p : shapes.rest.positions) rest.push_back(body.place.apply(copy.apply(p)));
   for (const Vec3& p : shapes.start) start.push_back(body.place.apply(copy.apply(p)));
-  for (const auto& [a, b, c, d] : shapes.rest.tetrahedra)
+  for (std::size_t e = 0; e < shapes.rest.tetrahedra.size(); ++e) {
+    const auto& [a, b, c, d] = shapes.rest.tetrahedra[e];
     elements.push_back({first + a, first + b, first + c, first + d});
+    if (orientation({rest[first + a], rest[first + b], rest[first + c], rest[first + d]}) <= 0)
+      throw Error(body.where, fmt::format("element {} of its mesh is flat or inverted at rest", e),
+                  "name a mesh under 'rest' in which none is");
+  }
   holder.resize(rest.size(), kNone);
   add_handles(body, shapes, first);
 }
@@ -132,6 +139,7 @@ Collider build_collider(const ColliderDescription& description) {
     shape.triangles.assign(solid.boundary_faces().begin(), solid.boundary_faces().end());
   }
   for (const Vec3& p : mesh.positions) shape.positions.push_back(description.place.apply(p));
+  at_place(description.mesh->where, [&] { return MeshSolid("surface", shape); });  // refuses what is not closed
   collider.shape = std::move(shape);
   return collider;
 }
@@ -174,7 +182,11 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& path, std:
     TetMesh mesh(static_cast<Index>(all.rest.size()), std::move(all.elements));
     return make_model(std::move(mesh), std::move(all.rest), std::move(all.bodies));
   });
-  scene.initial_state = make_state(scene.model, std::move(all.start));
+  scene.initial_state =
+      at_place(path.string() + ": bodies", [&] { return make_state(scene.model, std::move(all.start)); });
+  // Initial velocities are limited as those of each step are.
+  for (Vec3& v : scene.initial_state.velocities)
+    if (v.norm() > description.options.max_speed) v *= description.options.max_speed / v.norm();
   scene.handles = std::move(all.handles);
   for (const ColliderDescription& collider : description.colliders) scene.colliders.push_back(build_collider(collider));
   scene.options = description.options;

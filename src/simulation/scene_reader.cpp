@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cmath>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -39,7 +40,11 @@ void read_neo_hookean(JsonObject& object, Material& material) {
     object.value().fail("gives one compliance of two", "give hydrostatic_compliance and deviatoric_compliance");
   if (modulus) material.youngs_modulus = modulus->number(kPositive);
   if (ratio) material.poisson_ratio = ratio->number({0, 0.499});
-  if (hydrostatic) set_by_compliance(hydrostatic->number(kPositive), deviatoric->number(kPositive), material);
+  if (!hydrostatic) return;
+  set_by_compliance(hydrostatic->number(kPositive), deviatoric->number(kPositive), material);
+  if (!std::isfinite(material.youngs_modulus) || !(material.youngs_modulus > 0) || !(material.poisson_ratio < 0.5))
+    object.value().fail("has compliances that are too small or too different",
+                        "give such that Young's modulus is finite and Poisson's ratio below 0.5");
 }
 
 HandleDescription read_handle(const JsonValue& value) {

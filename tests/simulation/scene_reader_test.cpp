@@ -150,6 +150,8 @@ TEST(SceneReader, NamesWhatIsWrongWhereAndWhatIsAllowed) {
       {"/materials/rubber/kind", "\"jelly\"", {"materials.rubber.kind", "neo-hookean, mass-spring"}},
       {"/materials/rubber/edge_compliance", "1", {"materials.rubber.edge_compliance", "not known"}},
       {"/materials/rubber/hydrostatic_compliance", "1", {"materials.rubber", "both moduli and compliances"}},
+      {"/materials/soft/deviatoric_compliance", "1e20", {"materials.soft", "Poisson's ratio below 0.5"}},
+      {"/materials/soft/deviatoric_compliance", "1e-310", {"materials.soft", "too small"}},
       {"/materials/soft/deviatoric_compliance", "", {"materials.soft", "one compliance of two"}},
       {"/bodies", "", {"has no 'bodies'"}},
       {"/bodies", "[]", {"bodies", "at least one body"}},
@@ -214,8 +216,17 @@ TEST(SceneReader, RefusesWhatIsNoJson) {
   EXPECT_NE(refusal("{\"frames\": 3,\n \"bodies\": [}").find("line 2, column"), std::string::npos);
   EXPECT_NE(refusal("").find("whole.json"), std::string::npos);
   EXPECT_NE(refusal("[1]").find("no object"), std::string::npos);
-  EXPECT_NE(refusal("{\"a\": {\"frames\": 1, \"frames\": 2}}").find("\"frames\" twice"), std::string::npos);
-  EXPECT_NE(refusal("{\"frames\": 1e999}").find("whole.json"), std::string::npos);
+}
+
+TEST(SceneReader, NamesThePlaceOfWhatTheParserFinds) {
+  EXPECT_NE(refusal(R"({"a": {"frames": 1, "frames": 2}})").find("whole.json: a.frames: is there twice"),
+            std::string::npos);
+  EXPECT_NE(refusal(R"({"b": [[1, {"x": 2}], {"c": []}, {"d": 1, "e": 2, "d": 3}], "b": 1})").find("b[2].d: is there"),
+            std::string::npos);
+  EXPECT_NE(refusal(R"({"frames": 1, "b": [{}, [1, 2, 1e999]]})").find("whole.json: b[1][2]: is a number too large"),
+            std::string::npos);
+  EXPECT_NE(refusal(R"({"b": [{}], "c d": -1e999})").find("whole.json: [\"c d\"]: is a number too large"),
+            std::string::npos);
 }
 
 TEST(Scene, BodiesStandWhereTheyWerePut) {
@@ -252,18 +263,31 @@ TEST(Scene, NamesThePlaceOfWhatCannotBeBuilt) {
       {"/bodies/0/mesh", R"({"file": "nothing.t"})", {"bodies[0].mesh", "folder/nothing.t", "cannot be read"}},
       {"/bodies/0/mesh/tentacles", "3", {"bodies[0].mesh", "has no tentacles"}},
       {"/bodies/0/mesh", R"({"shape": "cloth"})", {"bodies[0].mesh", "is a surface"}},
+      {"/colliders/5",
+       R"({"mesh": {"shape": "cloth"}})",
+       {"whole.json: colliders[5].mesh", "edge of its vertices", "give a closed surface"}},
       {"/bodies/0/rest/cell", "1", {"bodies[0].rest", "has not the elements of the mesh"}},
       {"/bodies/0/poses/1", R"({"pose": "overlap"})", {"bodies[0].poses[1]", "adds an object"}},
       {"/bodies/0/pinned/0/plane/point",
        "[0, 0, -5]",
        {"bodies[0].pinned[0]", "holds no vertex", "reaches from [0, 0, 0]"}},
       {"/bodies/0/pinned/0/plane/point", "[0, 0, 5]", {"bodies[0].handles[0].region", "another handle holds"}},
+      {"/bodies/1/translate", "[1e18, 0, 0]", {"bodies[1]: element 0 of its mesh is flat or inverted at rest"}},
+      {"/bodies/0/poses/0/matrix", "[[1e100, 0, 0], [0, 1, 0], [0, 0, 1]]", {"bodies: vertex", "single precision"}},
   };
   for (const WrongValue& wrong : cases) {
     const std::string message = build_refusal(patched(wrong.place, wrong.value));
     for (const std::string& word : wrong.words)
       EXPECT_NE(message.find(word), std::string::npos) << wrong.place << "\nsays: " << message << "\nwithout: " << word;
   }
+}
+
+TEST(Scene, LimitsInitialVelocities) {
+  const Scene scene = parse_scene(patched("/max_speed", "3"), kFile);
+  for (const Body& body : scene.model.bodies)
+    for (Index v = body.first_vertex; v < body.first_vertex + body.vertex_count; ++v)
+      EXPECT_NEAR(scene.initial_state.velocities[v].norm(), std::min(body.initial_velocity.norm(), 3.0), 1e-12);
+  EXPECT_EQ(parse_scene(kWhole, kFile).initial_state.velocities.back(), Vec3(1, 2, 3));
 }
 
 TEST(Scene, FingerprintTellsScenesApart) {
