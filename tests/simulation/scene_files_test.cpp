@@ -63,6 +63,11 @@ TEST(SceneFilesOfThePaper, EachRowOfItsTableIsThere) {
     EXPECT_TRUE(std::find(names.begin(), names.end(), row.scene) != names.end()) << row.scene;
 }
 
+TEST(SceneFilesOfThePaper, EachHasThatScale) {
+  for (const std::string& name : scene_names())
+    EXPECT_NO_THROW(describe_scene(read_whole_file(scene_path(name)), scene_path(name), "paper")) << name;
+}
+
 TEST(SceneFilesOfThePaper, StepsAreThoseOfThePaper) {
   for (const PaperRow& row : kRows) {
     const fs::path path = scene_path(row.scene);
