@@ -114,7 +114,7 @@ struct BoundaryPathFinder<D>::State {
             pose.inverted_owners().data(),
             pose.defect_hierarchy().nodes(),
             pose.defect_places().data(),
-            topology.is_oriented,
+            topology.disagreeing.empty(),
             options};
   }
 

@@ -13,11 +13,12 @@ namespace selvage {
 /// enough to meet them: nearer to p than any of them everything holds as in an immersed component.
 enum class ComponentState : std::uint8_t {
   kImmersed,   ///< locally injective inside: theorems 1 and 2 hold, and with them culling and bounds from blocked rays
-  kOverwound,  ///< no inverted element, but elements turn twice around an interior ridge: only the definition holds
+  kOverwound,  ///< no inverted element, but overwound ridges, or folds: only the definition holds
   kInverted,   ///< inverted or flat elements: the rules of section 3.5
 };
 
-/// A place where the theorems fail: an inverted or flat element, an overwound interior ridge.
+/// A place where the theorems fail: an inverted or flat element, an overwound ridge, a face with two positive elements
+/// on one side.
 struct Defect {
   Box box;
   Index component;
@@ -66,7 +67,7 @@ struct PathScene {
   const std::uint8_t* inverted_owner;     ///< per boundary face: its owner is inverted or flat
   std::span<const BvhNode> defect_nodes;  ///< hierarchy over `defects`
   const Defect* defects;
-  bool is_oriented;  ///< as PathTopology
+  bool is_oriented;  ///< PathTopology::disagreeing is empty
   PathOptions options;
 };
 

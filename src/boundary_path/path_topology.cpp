@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <mutex>
 
 namespace selvage {
 
@@ -127,9 +128,21 @@ SortedFans<D, kKinds> collect_fans(std::int64_t items, Collect&& collect) {
   return sorted;
 }
 
-/// First those with all vertices on the boundary, then the others.
 template <int D>
-SortedFans<D, 2> collect_interior_fans(const SimplexMesh<D>& mesh, std::span<const std::uint8_t> is_on_boundary) {
+bool is_boundary_ridge(const SimplexMesh<D>& mesh, const VertexTuple<D - 1>& ridge) {
+  const std::span<const Index> faces = mesh.vertex_boundary_faces(ridge[0]);
+  return std::any_of(faces.begin(), faces.end(), [&](Index face) {
+    const auto& vertices = mesh.boundary_faces()[face];
+    return std::all_of(ridge.begin(), ridge.end(),
+                       [&](Index v) { return std::find(vertices.begin(), vertices.end(), v) != vertices.end(); });
+  });
+}
+
+/// First those with all vertices on the boundary, then the others.
+/// @param is_split  set where elements all around a ridge meet others for which it is on the boundary
+template <int D>
+SortedFans<D, 2> collect_interior_fans(const SimplexMesh<D>& mesh, std::span<const std::uint8_t> is_on_boundary,
+                                       std::span<std::uint8_t> is_split) {
   constexpr std::size_t kFewest = 5;
   return collect_fans<D, 2>(mesh.element_count(), [&](Index e, std::vector<Index>& link, auto&& add) {
     const auto& v = mesh.elements()[e];
@@ -140,11 +153,13 @@ SortedFans<D, 2> collect_interior_fans(const SimplexMesh<D>& mesh, std::span<con
     }
     for (const auto& r : ridges_of_element<D>()) {
       if (!may_lead[r[D - 1]] || !may_lead[r[D]]) continue;
-      if (!collect_interior_link(mesh, e, v[r[D - 1]], v[r[D]], link) || link.size() < kFewest) continue;
+      if (!collect_interior_link(mesh, e, v[r[D - 1]], v[r[D]], link)) continue;
       VertexTuple<D - 1> ridge;
       for (int i = 0; i < D - 1; ++i) ridge[i] = v[r[i]];
       const bool spans = std::all_of(ridge.begin(), ridge.end(), [&](Index w) { return is_on_boundary[w] != 0; });
-      add(spans ? 0 : 1, ridge, e);
+      if (spans && is_boundary_ridge(mesh, ridge))
+        for (Index w : ridge) std::atomic_ref(is_split[w]).store(1, std::memory_order_relaxed);
+      if (link.size() >= kFewest) add(spans ? 0 : 1, ridge, e);
     }
   });
 }
@@ -252,17 +267,21 @@ bool is_odd(const VertexTuple<3>& a, const VertexTuple<3>& b) {
 }
 
 template <int D>
-bool has_one_orientation(const SimplexMesh<D>& mesh) {
-  std::atomic<bool> good = true;
+std::vector<HalfFace> find_disagreeing(const SimplexMesh<D>& mesh) {
+  std::vector<HalfFace> found;
+  std::mutex listing;
   parallel_for(mesh.element_count(), kGrain, [&](std::int64_t e) {
     for (int i = 0; i <= D; ++i) {
       const HalfFace across{mesh.neighbours()[e][i]};
-      if (across.exists() && across.element() > e &&
-          !is_odd(mesh.face_of(mesh.elements()[e], i), mesh.face_of(mesh.elements()[across.element()], across.face())))
-        good.store(false, std::memory_order_relaxed);
+      if (!across.exists() || across.element() < e ||
+          is_odd(mesh.face_of(mesh.elements()[e], i), mesh.face_of(mesh.elements()[across.element()], across.face())))
+        continue;
+      const std::lock_guard lock(listing);
+      found.push_back(HalfFace::of(static_cast<Index>(e), i));
     }
   });
-  return good;
+  std::sort(found.begin(), found.end(), [](HalfFace a, HalfFace b) { return a.code < b.code; });
+  return found;
 }
 
 template <int D>
@@ -309,12 +328,12 @@ PathTopology<D>::PathTopology(const SimplexMesh<D>& mesh)
       face_stars(list_face_stars(mesh, component_of)),
       is_split(find_split_vertices(mesh)),
       is_on_boundary(find_boundary(mesh)),
-      is_oriented(has_one_orientation(mesh)),
+      disagreeing(find_disagreeing(mesh)),
       boundary_fans(collect_boundary_fans(mesh)),
       rims(mesh) {
   for (Index v = 0; v < mesh.vertex_count(); ++v)
     inner_vertex_count += is_on_boundary[v] == 0 && !mesh.vertex_elements(v).empty();
-  SortedFans<D, 2> sorted = collect_interior_fans(mesh, is_on_boundary);
+  SortedFans<D, 2> sorted = collect_interior_fans<D>(mesh, is_on_boundary, is_split);
   interior_fans = std::move(sorted.all);
   spanning_count = sorted.ends[0];
   for (Fans* fans : {&interior_fans, &boundary_fans}) fans->fans.push_back({{}, kNone, std::ssize(fans->links)});

@@ -42,8 +42,9 @@ struct PathTopology {
   std::vector<std::uint8_t> is_on_boundary;  ///< per vertex
   Index inner_vertex_count = 0;              ///< vertices of elements that are not on the boundary
 
-  /// Whether any two neighbours list their common face in opposite senses, so that positive ones lie on both its sides.
-  bool is_oriented = false;
+  /// Faces that two neighbours do not list in opposite senses, so that positive ones would lie on one side of it: each
+  /// as that of its first element, ascending. None where the mesh has one orientation.
+  std::vector<HalfFace> disagreeing;
 
   /// Ridges (edges in 3D, vertices in 2D), each with the link of vertices around it.
   struct Fans {

@@ -28,15 +28,20 @@ float mark_of(std::int64_t vertex, bool cullable) {
   return std::bit_cast<float>(static_cast<std::uint32_t>(vertex) | static_cast<std::uint32_t>(cullable) << 31);
 }
 
+/// The numbers below `count` for which the predicate holds, ascending.
 template <typename Predicate>
-std::int64_t count_if_parallel(std::int64_t count, Predicate&& predicate) {
-  std::atomic<std::int64_t> sum{0};
+std::vector<std::int64_t> list_if_parallel(std::int64_t count, Predicate&& predicate) {
+  std::vector<std::int64_t> found;
+  std::mutex listing;
   parallel_ranges(count, kGrain, [&](std::int64_t first, std::int64_t last) {
-    std::int64_t local = 0;
-    for (std::int64_t i = first; i < last; ++i) local += predicate(i) ? 1 : 0;
-    sum.fetch_add(local, std::memory_order_relaxed);
+    for (std::int64_t i = first; i < last; ++i) {
+      if (!predicate(i)) continue;
+      const std::lock_guard lock(listing);
+      found.push_back(i);
+    }
   });
-  return sum;
+  std::sort(found.begin(), found.end());
+  return found;
 }
 
 template <typename T>
@@ -151,9 +156,14 @@ void Pose<D>::examine() {
   examine_elements();
   prove_boundary_vertices();
   settle_vertices();
+  defect_places_.clear();
+  for (const Index e : defective_) add_defect(mesh_.elements()[e], topology_.component_of[e]);
   find_overwound_interior_ridges();
   find_overwound_boundary_ridges();
-  list_defects();
+  find_folds();
+  std::vector<Box> boxes(defect_places_.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) boxes[i] = defect_places_[i].box;
+  defect_hierarchy_ = Bvh(boxes);
   for (Index v : mesh_.boundary_vertices()) {
     if (!cullable_[v]) vertex_normals_[v] = NormalBox::everything();
     rounded_[v][3] = mark_of(v, cullable_[v] != 0);
@@ -256,11 +266,11 @@ void Pose<D>::prove_boundary_vertices() {
 template <int D>
 void Pose<D>::settle_vertices() {
   // All inner vertices have a ray at least.
-  all_inner_settled_ = topology_.is_oriented && inner_ray_count_ == topology_.inner_vertex_count;
+  all_inner_settled_ = topology_.disagreeing.empty() && inner_ray_count_ == topology_.inner_vertex_count;
   if (!all_inner_settled_) count_rays();
   is_settled_.resize(mesh_.vertex_count());
   parallel_for(mesh_.vertex_count(), kGrain, [&](std::int64_t v) {
-    is_settled_[v] = topology_.is_oriented &&
+    is_settled_[v] = topology_.disagreeing.empty() &&
                      (topology_.is_on_boundary[v] ? cullable_[v] && !(ray_marks_[2 * v] && ray_marks_[2 * v + 1])
                                                   : all_inner_settled_ || ray_counts_[v] == 1);
   });
@@ -282,58 +292,66 @@ bool Pose<D>::has_settled(const VertexTuple<D - 1>& ridge) const {
   return std::any_of(ridge.begin(), ridge.end(), [&](Index v) { return is_settled_[v] != 0; });
 }
 
+/// Whether the elements around a ridge are all positive and hang together forward around it: where some are inverted,
+/// turns mean nothing, and each of these is a defect itself.
 template <int D>
-bool Pose<D>::is_overwound_inside(std::int64_t fan) const {
-  const auto& fans = topology_.interior_fans;
-  // The last link vertex leads back to the first.
-  return !turns_once(positions_, fans.fans[fan].ridge, fans.link(fan).first(fans.link(fan).size() - 1));
+bool Pose<D>::turns_forward(const VertexTuple<D - 1>& ridge, std::span<const Index> link, bool closed) const {
+  std::array<Vec<D>, D + 1> corners;
+  for (int i = 0; i < D - 1; ++i) corners[i] = positions_[ridge[i]];
+  for (std::size_t k = closed ? 0 : 1; k < link.size(); ++k) {
+    corners[D - 1] = positions_[k == 0 ? link.back() : link[k - 1]];
+    corners[D] = positions_[link[k]];
+    if (orientation(corners) <= 0) return false;
+  }
+  return true;
+}
+
+/// Nothing but the definition holds as far from p as this.
+template <int D>
+template <std::size_t N>
+void Pose<D>::add_defect(const std::array<Index, N>& vertices, Index component) {
+  defect_places_.push_back({box_of(vertices), component});
+  ComponentState& state = component_states_[component];
+  if (state == ComponentState::kImmersed) state = ComponentState::kOverwound;
 }
 
 template <int D>
 void Pose<D>::find_overwound_interior_ridges() {
   const auto& fans = topology_.interior_fans;
   const std::int64_t count = all_inner_settled_ ? topology_.spanning_count : fans.count();
-  defects_.overwound_interior_ridges = count_if_parallel(count, [&](std::int64_t k) {
-    if (has_settled(fans.fans[k].ridge)) return false;
-    ComponentState& state = component_states_[topology_.component_of[fans.fans[k].element]];
-    if (std::atomic_ref(state).load(std::memory_order_relaxed) == ComponentState::kInverted) return false;
-    if (!is_overwound_inside(k)) return false;
-    std::atomic_ref(state).store(ComponentState::kOverwound, std::memory_order_relaxed);
-    return true;
+  const std::vector<std::int64_t> overwound = list_if_parallel(count, [&](std::int64_t k) {
+    const auto& ridge = fans.fans[k].ridge;
+    // The last link vertex leads back to the first.
+    return !has_settled(ridge) && !turns_once(positions_, ridge, fans.link(k).first(fans.link(k).size() - 1)) &&
+           turns_forward(ridge, fans.link(k), true);
   });
+  defects_.overwound_interior_ridges = std::ssize(overwound);
+  for (const std::int64_t k : overwound) add_defect(fans.fans[k].ridge, topology_.component_of[fans.fans[k].element]);
 }
 
-/// Counts them, and withdraws the proof of the vertices at them.
+/// Withdraws the proof of the vertices where a turn is full, too.
 template <int D>
 void Pose<D>::find_overwound_boundary_ridges() {
   const auto& fans = topology_.boundary_fans;
-  defects_.overwound_boundary_ridges = count_if_parallel(fans.count(), [&](std::int64_t k) {
-    const auto& fan = fans.fans[k];
-    if (has_settled(fan.ridge)) return false;
-    if (component_states_[topology_.component_of[fan.element]] == ComponentState::kInverted) return false;
-    if (turns_once(positions_, fan.ridge, fans.link(k))) return false;
-    for (Index v : fan.ridge) std::atomic_ref(cullable_[v]).store(0, std::memory_order_relaxed);
-    return turns_beyond(positions_, fan.ridge, fans.link(k));
+  const std::vector<std::int64_t> overwound = list_if_parallel(fans.count(), [&](std::int64_t k) {
+    const auto& ridge = fans.fans[k].ridge;
+    if (has_settled(ridge) || turns_once(positions_, ridge, fans.link(k))) return false;
+    for (Index v : ridge) std::atomic_ref(cullable_[v]).store(0, std::memory_order_relaxed);
+    return turns_beyond(positions_, ridge, fans.link(k)) && turns_forward(ridge, fans.link(k), false);
   });
+  defects_.overwound_boundary_ridges = std::ssize(overwound);
+  for (const std::int64_t k : overwound) add_defect(fans.fans[k].ridge, topology_.component_of[fans.fans[k].element]);
 }
 
-/// A second look at what the counts say is there: rare enough to be done in order.
+/// Where two positive elements lie on one side of their common face, the material is folded as by an inverted one.
 template <int D>
-void Pose<D>::list_defects() {
-  defect_places_.clear();
-  for (const Index e : defective_) defect_places_.push_back({box_of(mesh_.elements()[e]), topology_.component_of[e]});
-  if (defects_.overwound_interior_ridges > 0) {
-    const auto& fans = topology_.interior_fans;
-    for (std::int64_t k = 0; k < fans.count(); ++k) {
-      const Index component = topology_.component_of[fans.fans[k].element];
-      if (component_states_[component] == ComponentState::kOverwound && !has_settled(fans.fans[k].ridge) &&
-          is_overwound_inside(k))
-        defect_places_.push_back({box_of(fans.fans[k].ridge), component});
-    }
+void Pose<D>::find_folds() {
+  for (const HalfFace side : topology_.disagreeing) {
+    const Index element = side.element();
+    const HalfFace across{mesh_.neighbours()[element][side.face()]};
+    if (orientation_of(element) > 0 && orientation_of(across.element()) > 0)
+      add_defect(mesh_.face_of(mesh_.elements()[element], side.face()), topology_.component_of[element]);
   }
-  std::vector<Box> boxes(defect_places_.size());
-  for (std::size_t i = 0; i < boxes.size(); ++i) boxes[i] = defect_places_[i].box;
-  defect_hierarchy_ = Bvh(boxes);
 }
 
 template class Pose<2>;

@@ -89,8 +89,10 @@ class Pose {
   void find_overwound_interior_ridges();
   void find_overwound_boundary_ridges();
   bool has_settled(const VertexTuple<D - 1>& ridge) const;
-  bool is_overwound_inside(std::int64_t fan) const;
-  void list_defects();
+  bool turns_forward(const VertexTuple<D - 1>& ridge, std::span<const Index> link, bool closed) const;
+  void find_folds();
+  template <std::size_t N>
+  void add_defect(const std::array<Index, N>& vertices, Index component);
   template <std::size_t N>
   Box box_of(const std::array<Index, N>& vertices) const;
 

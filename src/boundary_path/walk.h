@@ -218,7 +218,9 @@ WalkResult Walk<D>::follow(const Candidate<D>& candidate, bool go_on) const {
   const Segment<D> segment(scene_, query_.point, candidate,
                            counters_ != nullptr ? &counters_->exact_decisions : nullptr);
   Gate gate;
-  if (!strictly_inside_ || !find_first_gate(segment, gate)) return {connects_exactly(segment, candidate)};
+  // A line that comes to a fold has both elements there on one side, where no gate leads.
+  if (!strictly_inside_ || !scene_.is_oriented || !find_first_gate(segment, gate))
+    return {connects_exactly(segment, candidate)};
   bool passed = false;
   for (;;) {
     if (!passed && !segment.is_before_end(gate.corners)) {

@@ -67,6 +67,12 @@ Pieces<2> fan(int count, double turns, bool closed, int rings = 1);
 /// A walk of `count` steps over the lattice that never turns straight back.
 std::string random_steps(int count, bool in_space, std::uint64_t seed);
 
+/// Positive elements, each put on a random face of those before, with a random vertex or one that is there: they turn
+/// by more than 2 pi around inner and boundary ridges, and close around ridges that stay on the boundary elsewhere.
+/// With folds: also where elements that so become neighbours lie on one side of their common face.
+template <int D>
+Pieces<D> grown(int count, std::uint64_t seed, bool with_folds);
+
 /// Prisms over a planar mesh, `layers` of the given height, each cut into three tetrahedra.
 Pieces<3> extrude(const Pieces<2>& mesh, int layers, double height);
 

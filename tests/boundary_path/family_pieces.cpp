@@ -46,6 +46,87 @@ void add_cell(Pieces<D>& mesh, LatticeVertices<D>& vertices, const std::array<in
   } while (std::next_permutation(order.begin(), order.end()));
 }
 
+// Elements put one after the other on the faces that are still open.
+template <int D>
+class Growth {
+ public:
+  Growth(std::uint64_t seed, bool with_folds) : random_(seed), with_folds_(with_folds) {
+    mesh_.positions.push_back(Vec<D>::Zero());
+    VertexTuple<D + 1> first{};
+    for (int k = 0; k < D; ++k) {
+      mesh_.positions.push_back(Vec<D>::Unit(k));
+      first[k + 1] = k + 1;
+    }
+    take(first);
+  }
+
+  Pieces<D> grow(std::size_t count) {
+    while (mesh_.elements.size() < count) add();
+    return mesh_;
+  }
+
+ private:
+  using Element = VertexTuple<D + 1>;
+
+  double volume(const Element& e) const {
+    Eigen::Matrix<double, D, D> edges;
+    for (int k = 0; k < D; ++k) edges.col(k) = mesh_.positions[e[k + 1]] - mesh_.positions[e[0]];
+    return edges.determinant();
+  }
+
+  static VertexTuple<D> face_of(const Element& e, int skip) {
+    VertexTuple<D> face{};
+    for (int i = 0, k = 0; i <= D; ++i)
+      if (i != skip) face[k++] = e[i];
+    std::sort(face.begin(), face.end());
+    return face;
+  }
+
+  void take(const Element& element) {
+    for (int i = 0; i <= D; ++i) sides_[face_of(element, i)].push_back(element[i]);
+    mesh_.elements.push_back(element);
+  }
+
+  // Tries a random vertex, a new one or one that is there, over a random face.
+  void add() {
+    Element element = mesh_.elements[random_.below(mesh_.elements.size())];
+    const bool is_new = random_.below(2) == 0;
+    if (is_new) {
+      mesh_.positions.emplace_back();
+      for (int k = 0; k < D; ++k) mesh_.positions.back()[k] = random_.within(-2, 2);
+    }
+    const auto apex = static_cast<Index>(is_new ? mesh_.positions.size() - 1 : random_.below(mesh_.positions.size()));
+    const bool known = std::find(element.begin(), element.end(), apex) != element.end();
+    element[random_.below(D + 1)] = apex;
+    if (!known && fits(element)) {
+      std::swap(element[0], element[1]);
+      take(element);
+    } else if (is_new) {
+      mesh_.positions.pop_back();
+    }
+  }
+
+  // Whether the element, listed the wrong way round, is none too flat, has a neighbour at most across each face, and
+  // that on the other side.
+  bool fits(const Element& element) const {
+    if (volume(element) > -0.02) return false;
+    for (int i = 0; i <= D; ++i) {
+      const auto found = sides_.find(face_of(element, i));
+      if (found == sides_.end()) continue;
+      if (found->second.size() > 1 || found->second[0] == element[i]) return false;
+      Element other = element;
+      other[i] = found->second[0];
+      if (!with_folds_ && volume(other) < 0) return false;
+    }
+    return true;
+  }
+
+  Random random_;
+  bool with_folds_;
+  Pieces<D> mesh_;
+  std::map<VertexTuple<D>, std::vector<Index>> sides_;  // the vertices opposite to each face
+};
+
 template <int D>
 std::array<int, D> step_of(char c) {
   std::array<int, D> step{};
@@ -165,6 +246,14 @@ std::string random_steps(int count, bool in_space, std::uint64_t seed) {
   }
   return result;
 }
+
+template <int D>
+Pieces<D> grown(int count, std::uint64_t seed, bool with_folds) {
+  return Growth<D>(seed, with_folds).grow(static_cast<std::size_t>(count));
+}
+
+template Pieces<2> grown<2>(int, std::uint64_t, bool);
+template Pieces<3> grown<3>(int, std::uint64_t, bool);
 
 Pieces<3> extrude(const Pieces<2>& mesh, int layers, double height) {
   Pieces<3> solid;

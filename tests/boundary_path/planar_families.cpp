@@ -78,6 +78,13 @@ void add_overwound(std::vector<Family<2>>& list) {
   list.push_back({"boundary_over_4pi_rings", fan(19, 2.4, false, 3)});
 }
 
+void add_grown(std::vector<Family<2>>& list) {
+  for (int seed = 0; seed < 4; ++seed) {
+    list.push_back({"grown_" + std::to_string(seed), grown<2>(80, 50 + seed, false)});
+    list.push_back({"grown_folded_" + std::to_string(seed), grown<2>(30, 60 + seed, true)});
+  }
+}
+
 void add_magnitudes(std::vector<Family<2>>& list) {
   list.push_back(
       {"slivers",
@@ -126,6 +133,7 @@ const std::vector<Family<2>>& planar_families() {
     add_plain(list);
     add_tangled(list);
     add_overwound(list);
+    add_grown(list);
     add_magnitudes(list);
     add_inverted(list);
     return list;

@@ -81,6 +81,13 @@ void add_overwound(std::vector<Family<3>>& list) {
   list.push_back({"boundary_over_4pi_jittered", jittered<3>(extrude(fan(17, 2.4, false, 2), 3, 1.1), 0.06, 9)});
 }
 
+void add_grown(std::vector<Family<3>>& list) {
+  for (int seed = 0; seed < 4; ++seed) {
+    list.push_back({"grown_" + std::to_string(seed), grown<3>(100, 50 + seed, false)});
+    list.push_back({"grown_folded_" + std::to_string(seed), grown<3>(100, 60 + seed, true)});
+  }
+}
+
 void add_magnitudes(std::vector<Family<3>>& list) {
   list.push_back({"slivers", moved<3>(jittered<3>(grid(4, 4, 3), 0.12, 10),
                                       [](const Vec3& x) { return Vec3(x[0], x[1], x[2] * 1e-7); })});
@@ -127,6 +134,7 @@ const std::vector<Family<3>>& solid_families() {
     add_plain(list);
     add_tangled(list);
     add_overwound(list);
+    add_grown(list);
     add_magnitudes(list);
     add_inverted(list);
     return list;
