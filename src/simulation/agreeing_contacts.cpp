@@ -1,5 +1,7 @@
 #include "simulation/agreeing_contacts.h"
 
+#include "simulation/vertex_regions.h"
+
 #include <Eigen/Eigenvalues>
 
 #include <map>
@@ -8,34 +10,8 @@ namespace selvage {
 
 namespace {
 
-/// Connected sets of vertices that have contacts, each named by its smallest.
-class Regions {
- public:
-  Regions(const TetMesh& mesh, std::span<const Contact> contacts) : parents_(mesh.vertex_count(), kNone) {
-    for (const Contact& contact : contacts)
-      for (int i = 0; i < contact.count; ++i) parents_[contact.vertices[i]] = contact.vertices[i];
-    for (const auto& element : mesh.elements())
-      for (int a = 1; a < 4; ++a)
-        for (int b = 0; b < a; ++b) join(element[a], element[b]);
-  }
-
-  Index find(Index vertex) {
-    while (parents_[vertex] != vertex) vertex = parents_[vertex] = parents_[parents_[vertex]];
-    return vertex;
-  }
-
- private:
-  void join(Index a, Index b) {
-    if (parents_[a] < 0 || parents_[b] < 0) return;
-    const auto [low, high] = std::minmax({find(a), find(b)});
-    parents_[high] = low;
-  }
-
-  std::vector<Index> parents_;
-};
-
 /// The regions of a contact's point and of its surface.
-std::pair<Index, Index> sides_of(const Contact& contact, Regions& regions) {
+std::pair<Index, Index> sides_of(const Contact& contact, VertexRegions& regions) {
   return {regions.find(contact.vertices.front()), regions.find(contact.vertices[contact.count - 1])};
 }
 
@@ -58,7 +34,10 @@ struct Crossing {
 }  // namespace
 
 std::vector<Contact> find_agreeing_contacts(const TetMesh& mesh, std::span<const Contact> contacts) {
-  Regions regions(mesh, contacts);
+  std::vector<Index> vertices;
+  for (const Contact& contact : contacts)
+    vertices.insert(vertices.end(), contact.vertices.begin(), contact.vertices.begin() + contact.count);
+  VertexRegions regions(mesh, vertices);
   std::map<std::pair<Index, Index>, Crossing> crossings;
   const auto way_of = [](const Contact& contact, bool is_lower) {
     return is_lower ? contact.normal : Vec3(-contact.normal);

@@ -1,6 +1,7 @@
 #include "simulation/relaxation.h"
 
 #include "selvage/core/error.h"
+#include "selvage/core/parallel.h"
 #include "simulation/agreeing_contacts.h"
 #include "simulation/find_inverted.h"
 #include "simulation/shape_energy.h"
@@ -10,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace selvage {
 
@@ -74,6 +76,10 @@ Relaxation::Relaxation(const TetMesh& mesh, std::vector<Vec3>& positions, std::s
       max_displacement_(options.max_displacement),
       push_{std::max(clearance_, kUntanglingClearance) * length_, kPush / kPasses * length_},
       material_(model_, 1) {
+  element_sizes_.resize(mesh.element_count());
+  parallel_for(mesh.element_count(), kGrain, [&](std::int64_t e) {
+    element_sizes_[e] = std::cbrt(6 * element_volume(mesh.elements()[e], model_.rest_positions));
+  });
   for (const Vec3& p : positions_) vertices_.push_back({{p[0], p[1], p[2]}, 0});
   is_awake_.resize(positions.size());
   for (const double inverse_mass : model_.inverse_masses) is_free_.push_back(inverse_mass > 0);
@@ -110,17 +116,15 @@ void Relaxation::wake_displaced() {
 }
 
 void Relaxation::wake_neighbours() {
-  std::vector<Index> woken;
-  for (Index v = 0; v < mesh_.vertex_count(); ++v) {
-    if (!is_awake_[v]) continue;
-    const double moved = (positions_[v] - start_[v]).norm();
-    for (const Index e : mesh_.vertex_elements(v)) {
-      const auto& corners = mesh_.elements()[e];
-      const double size = std::cbrt(6 * element_volume(corners, model_.rest_positions));
-      if (moved > kWakingShare * size) woken.insert(woken.end(), corners.begin(), corners.end());
-    }
+  std::vector<double> moved(mesh_.vertex_count(), -HUGE_VAL);  // of those awake
+  for (Index v = 0; v < mesh_.vertex_count(); ++v)
+    if (is_awake_[v]) moved[v] = (positions_[v] - start_[v]).norm();
+  for (Index e = 0; e < mesh_.element_count(); ++e) {
+    const auto& corners = mesh_.elements()[e];
+    const double limit = kWakingShare * element_sizes_[e];
+    if (std::any_of(corners.begin(), corners.end(), [&](Index v) { return moved[v] > limit; }))
+      for (const Index v : corners) wake(v);
   }
-  for (const Index v : woken) wake(v);
 }
 
 /// Contacts after the material, so that these have the last word.
@@ -161,12 +165,12 @@ void Relaxation::limit_displacements() {
     const double distance = moved.norm();
     if (distance > kBelowOne * radius) position = centre + kBelowOne * radius / distance * moved;
   };
-  for (Index v = 0; v < mesh_.vertex_count(); ++v) {
-    if (!is_awake_[v]) continue;
+  parallel_for(mesh_.vertex_count(), kGrain, [&](std::int64_t v) {
+    if (!is_awake_[v]) return;
     const Eigen::Map<Eigen::Vector3d> position(vertices_[v].position);
     hold_within(position, positions_[v], kLongestMove * length_);
     hold_within(position, origin_[v], max_displacement_);
-  }
+  });
 }
 
 void Relaxation::shrink_clearance() {

@@ -59,6 +59,7 @@ class Relaxation {
   const Model model_;
   const double length_;  ///< mean of the boundary's edges at rest [m]
   const double clearance_, max_displacement_;
+  std::vector<double> element_sizes_;  ///< at rest [m]
   Push push_;
   MaterialSolver material_;
   std::vector<VertexRow> vertices_;  ///< those asleep have no inverse mass
