@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <tbb/global_control.h>
+
+#include <cmath>
 #include <random>
 
 namespace selvage {
@@ -62,6 +65,28 @@ TEST(TurnUpright, TurnsManyAtOnce) {
     const std::vector<Index> inverted = find_inverted(block.mesh, positions);
     ASSERT_GT(inverted.size(), 20u);
     EXPECT_TRUE(turn_upright(block.mesh, block.rest, inverted, block.anywhere, positions).empty()) << seed;
+  }
+}
+
+// Regions apart are turned side by side.
+TEST(TurnUpright, GivesTheSameBitsForAnyNumberOfThreads) {
+  const MeshFile file = make_box(Vec3(4, 1, 1), 0.2);
+  const TetMesh mesh(static_cast<Index>(file.positions.size()), file.tetrahedra);
+  const std::vector<std::uint8_t> all(file.positions.size(), 1);
+  const Freedom anywhere{all, file.positions, std::numeric_limits<double>::infinity()};
+  std::vector<Vec3> pierced = file.positions;
+  for (std::size_t v = 0; v < pierced.size(); ++v)
+    if (std::fmod(pierced[v][0], 1.0) < 0.1 && pierced[v][1] == 0 && pierced[v][2] == 0)
+      pierced[v] += Vec3(0, 0.45 - 0.01 * pierced[v][0], 0.5);
+  const std::vector<Index> inverted = find_inverted(mesh, pierced);
+  ASSERT_GT(inverted.size(), 20u);
+  std::vector<Vec3> first;
+  for (const int threads : {1, 2, 4}) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    std::vector<Vec3> positions = pierced;
+    EXPECT_TRUE(turn_upright(mesh, file.positions, inverted, anywhere, positions).empty());
+    if (threads == 1) first = positions;
+    EXPECT_EQ(positions, first) << threads;
   }
 }
 
