@@ -19,17 +19,19 @@ inline ShapeCells box_cells(const Vec3& size, double cell) {
   return {x, y, z, 6 * x * y * z};
 }
 
-/// Layers through the wall, cells around, cells along.
+/// Layers through the wall, cells around, cells along. No cell is longer than twice the wall is thick.
 inline ShapeCells tube_cells(double outer_radius, double inner_radius, double length, double cell) {
   const double layers = cell_count(outer_radius - inner_radius, cell);
+  if (cell > 2 * (outer_radius - inner_radius)) cell = 2 * (outer_radius - inner_radius);
   const double around = cell_count(std::numbers::pi * (outer_radius + inner_radius), cell, 12);
   const double along = cell_count(length, cell);
   return {layers, around, along, 6 * layers * around * along};
 }
 
-/// Rings of the disc, layers of prisms along the sweep.
+/// Rings of the disc, layers of prisms along the sweep. No layer is higher than the disc is wide.
 inline ShapeCells swept_cells(double length, double radius, double cell, double fewest_layers) {
-  const double rings = cell_count(radius, cell), layers = cell_count(length, cell, fewest_layers);
+  const double rings = cell_count(radius, cell);
+  const double layers = cell_count(length, cell > 2 * radius ? 2 * radius : cell, fewest_layers);
   return {rings, layers, 0, 3 * 6 * rings * rings * layers};
 }
 
