@@ -6,7 +6,6 @@
 #include <barrier>
 #include <chrono>
 #include <numeric>
-#include <thread>
 
 namespace selvage::bench {
 

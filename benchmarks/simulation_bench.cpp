@@ -7,7 +7,6 @@
 
 #include <benchmark/benchmark.h>
 
-#include <cstring>
 #include <map>
 
 // The material solve alone: constraints a second, and what part of the machine's limit that is. Two limits are

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cmath>
-
 namespace selvage::bench {
 
 /// Single precision throughout, as in SPB. Padded to 16 bytes: a vertex never straddles a cache line, and Embree reads

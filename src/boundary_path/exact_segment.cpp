@@ -4,7 +4,6 @@
 #include "geometry/exact_integer.h"
 #include "selvage/geometry/predicates.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace selvage {

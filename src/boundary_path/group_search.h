@@ -5,8 +5,6 @@
 #include "boundary_path/triangle_aims.h"
 #include "boundary_path/walk_bundle.h"
 
-#include <bit>
-
 namespace selvage {
 inline namespace SELVAGE_ISA {
 

@@ -1,7 +1,5 @@
 #include "boundary_path/rims.h"
 
-#include <algorithm>
-
 namespace selvage {
 
 namespace {

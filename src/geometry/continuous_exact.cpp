@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <vector>
 
 #include "geometry/exact_integer.h"
 #include "geometry/real_root.h"

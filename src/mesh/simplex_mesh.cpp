@@ -5,8 +5,6 @@
 #include "selvage/core/error.h"
 #include "selvage/core/parallel.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <bit>
 #include <utility>

@@ -4,7 +4,6 @@
 #include "selvage/core/parallel.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace selvage {
 

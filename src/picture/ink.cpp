@@ -1,7 +1,6 @@
 #include "picture/ink.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace selvage {
 

@@ -3,7 +3,6 @@
 #include "picture/image.h"
 #include "selvage/core/types.h"
 
-#include <array>
 #include <optional>
 #include <string>
 

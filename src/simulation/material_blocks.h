@@ -2,8 +2,6 @@
 
 #include "selvage/simulation/model.h"
 
-#include <algorithm>
-
 namespace selvage {
 
 /// Numbers of a vertex in a block: a VertexRow, and the same at the start of the step.

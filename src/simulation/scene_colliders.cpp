@@ -1,7 +1,5 @@
 #include "simulation/scene_description.h"
 
-#include <limits>
-
 namespace selvage {
 
 namespace {

@@ -7,7 +7,6 @@
 #include "simulation/json_value.h"
 
 #include <filesystem>
-#include <variant>
 
 namespace selvage {
 

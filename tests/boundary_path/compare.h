@@ -5,8 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include <memory>
-
 namespace selvage::families {
 
 /// One mesh with everything that judges the library's answers on it.

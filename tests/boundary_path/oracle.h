@@ -2,8 +2,6 @@
 
 #include "selvage/core/types.h"
 
-#include <optional>
-#include <set>
 #include <vector>
 
 namespace selvage::oracle {

@@ -1,7 +1,6 @@
 #include "boundary_path/families.h"
 
 #include <cmath>
-#include <numbers>
 
 namespace selvage::families {
 

@@ -6,7 +6,6 @@
 #include <limits>
 #include <numbers>
 #include <random>
-#include <string>
 
 #include "mesh_checks.h"
 #include "selvage/core/error.h"

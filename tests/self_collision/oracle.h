@@ -3,8 +3,6 @@
 #include "self_collision/surfaces.h"
 #include "selvage/self_collision/self_collision.h"
 
-#include <optional>
-
 namespace selvage::oracle {
 
 /// All pairs of triangles that meet, one by one, in integer arithmetic: written apart from the library, from the

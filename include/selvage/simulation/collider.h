@@ -2,7 +2,6 @@
 
 #include "selvage/simulation/motion.h"
 
-#include <memory>
 #include <variant>
 
 namespace selvage {
