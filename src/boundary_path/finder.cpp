@@ -60,6 +60,14 @@ class Scaling {
   double half_ = 1, rest_ = 1;
 };
 
+/// The mesh itself: one that was made by default has nothing to be searched.
+/// @throws Error  when it has no element
+template <int D>
+const SimplexMesh<D>& with_elements(const SimplexMesh<D>& mesh) {
+  if (mesh.element_count() == 0) throw Error("mesh", "there is no element", "give at least one");
+  return mesh;
+}
+
 }  // namespace
 
 template <int D>
@@ -72,7 +80,7 @@ struct BoundaryPathFinder<D>::State {
   Scaling to_scene, from_scene;
 
   State(const SimplexMesh<D>& m, std::span<const Vec<D>> positions, PathOptions o)
-      : mesh(m), options(o), topology(m), pose(m, topology), containment(m, pose, pose.elements()) {
+      : mesh(with_elements(m)), options(o), topology(m), pose(m, topology), containment(m, pose, pose.elements()) {
     rebuild(positions);
   }
 

@@ -67,6 +67,7 @@ struct ContactFinder::State {
   TurnedVertices turned;      ///< at the start of the step
   std::vector<Index> pieces;  ///< connected component of each element; where whole tangles wait
   ContactStatistics statistics;
+  bool has_begun = false;  ///< any step
 
   State(const TetMesh& m, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
         std::span<const Index> vertex_objects, ContactOptions o);
@@ -100,10 +101,9 @@ ContactFinder::State::State(const TetMesh& m, std::span<const Vec3> rest_positio
   if (!vertex_objects.empty() && std::ssize(vertex_objects) != mesh.vertex_count())
     throw Error("vertex_objects", fmt::format("{} for {} vertices", vertex_objects.size(), mesh.vertex_count()),
                 "give one per vertex, or none at all");
-  if (options.rule == ClosestPointRule::kRestPose) {
-    check_positions<3>(rest_positions, mesh.vertex_count());
-    rest_pose.emplace(mesh, rest_positions);
-  }
+  const bool uses_rest = options.rule == ClosestPointRule::kRestPose;
+  if (uses_rest || !rest_positions.empty()) check_positions<3>(rest_positions, mesh.vertex_count(), "rest_positions");
+  if (uses_rest) rest_pose.emplace(mesh, rest_positions);
   if (options.rule == ClosestPointRule::kEuclidean) euclidean.emplace(mesh, vertex_objects);
   if (uses_dcd())
     search.emplace(mesh, surface, options.detect_edges, positions, PathOptions{options.cull_infeasible_regions, true});
@@ -115,6 +115,7 @@ ContactFinder::State::State(const TetMesh& m, std::span<const Vec3> rest_positio
 void ContactFinder::State::begin_step(std::span<const Vec3> positions) {
   check_positions<3>(positions, mesh.vertex_count());
   statistics = {};
+  has_begun = true;
   positions_t0.assign(positions.begin(), positions.end());
   if (splits()) split_features();
   if (!options.wait_for_inverted) return;
@@ -279,6 +280,7 @@ void ContactFinder::State::append_impacts_of_step(std::span<const Vec3> position
 }
 
 void ContactFinder::State::find_contacts(std::span<const Vec3> positions, std::vector<Contact>& contacts) {
+  if (!has_begun) throw Error("step", "has not begun", "call begin_step() first");
   check_positions<3>(positions, mesh.vertex_count());
   contacts.clear();
   if (uses_dcd()) append_paths(positions, contacts);

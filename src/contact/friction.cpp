@@ -11,7 +11,8 @@ Vec3 friction_correction(const Vec3& displacement, const Vec3& normal, double no
   grip.pressed += normal_correction;
   grip.held = before - across(displacement);
   const double length = grip.held.norm();
-  if (length > friction.at_rest * grip.pressed) grip.held *= std::min(friction.sliding * grip.pressed / length, 1.0);
+  if (length > friction.static_friction * grip.pressed)
+    grip.held *= std::min(friction.dynamic_friction * grip.pressed / length, 1.0);
   return grip.held - before;
 }
 

@@ -40,9 +40,10 @@ PositionExtent<D> extent_of(std::span<const Vec<D>> positions) {
 /// The extent of the positions that a mesh is asked about.
 /// @throws Error  when there is not one for each vertex, or a coordinate is not finite
 template <int D>
-PositionExtent<D> check_positions(std::span<const Vec<D>> positions, Index vertex_count) {
+PositionExtent<D> check_positions(std::span<const Vec<D>> positions, Index vertex_count,
+                                  const char* name = "positions") {
   if (std::ssize(positions) != vertex_count)
-    throw Error("positions", fmt::format("{} positions for {} vertices", positions.size(), vertex_count),
+    throw Error(name, fmt::format("{} positions for {} vertices", positions.size(), vertex_count),
                 "give one position per vertex");
   PositionExtent<D> extent = extent_of(positions);
   if (!extent.finite)

@@ -142,8 +142,8 @@ struct ContinuousCollisionFinder::State {
   }
 
   void place(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
-    PositionExtent<3> both = check_positions<3>(positions_t0, mesh.vertex_count());
-    both.add(check_positions<3>(positions_t1, mesh.vertex_count()));
+    PositionExtent<3> both = check_positions<3>(positions_t0, mesh.vertex_count(), "positions_t0");
+    both.add(check_positions<3>(positions_t1, mesh.vertex_count(), "positions_t1"));
     pose.place(mesh, positions_t0, positions_t1, options.thickness, frame_around(both));
   }
 

@@ -9,8 +9,20 @@
 
 namespace selvage {
 
+namespace {
+
+TriangleMesh surface_of(const std::string& where, const MeshShape& shape) {
+  try {
+    return {static_cast<Index>(shape.positions.size()), shape.triangles};
+  } catch (const Error& error) {
+    throw Error(where, error.what());
+  }
+}
+
+}  // namespace
+
 MeshSolid::MeshSolid(const std::string& where, const MeshShape& shape)
-    : positions_(shape.positions), mesh_(static_cast<Index>(shape.positions.size()), shape.triangles) {
+    : positions_(shape.positions), mesh_(surface_of(where, shape)) {
   for (const Vec3& p : positions_) {
     if (!p.allFinite()) throw Error(where, "a position of its mesh is not finite");
     bounds_.extend(p);

@@ -187,6 +187,9 @@ std::uint64_t fingerprint_of(const State& state) {
 }  // namespace
 
 RunReport run_scene(const Scene& scene, const RunOptions& options) {
+  if (options.folder.empty()) throw Error("folder", "is not named", "name one for the files of the run");
+  if (options.frames.value_or(0) < 0)
+    throw Error("frames", fmt::format("are {}", *options.frames), "give a number that is not negative");
   const RunFolder folder(scene, options);
   RunReport report;
   State state = scene.initial_state;

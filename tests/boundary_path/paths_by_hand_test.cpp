@@ -169,6 +169,8 @@ TEST(Errors, AreRaisedAtTheDoors) {
   const auto mesh = mesh_of(pieces);
   auto positions = pieces.positions;
   EXPECT_THROW(BoundaryPathFinder<2>(mesh, std::span(positions).first(8)), Error);
+  const PlanarMesh none;
+  EXPECT_THROW(BoundaryPathFinder<2>(none, {}), Error);
   BoundaryPathFinder<2> finder(mesh, positions);
   EXPECT_THROW(finder.update(std::span(positions).first(3)), Error);
   EXPECT_THROW(finder.rebuild(std::span(positions).first(3)), Error);

@@ -389,8 +389,10 @@ TEST(ContactFinder, RefusesWhatDoesNotFit) {
   ContactOptions rest;
   rest.rule = ClosestPointRule::kRestPose;
   EXPECT_THROW(ContactFinder(mesh, {}, solid.positions, {}, rest), Error);
+  EXPECT_THROW(ContactFinder(mesh, short_one, solid.positions), Error);
   ContactFinder finder(mesh, {}, solid.positions);
   std::vector<Contact> contacts;
+  EXPECT_THROW(finder.find_contacts(solid.positions, contacts), Error) << "no step has begun";
   EXPECT_THROW(finder.begin_step(broken), Error);
   EXPECT_THROW(finder.find_contacts(short_one, contacts), Error);
 }

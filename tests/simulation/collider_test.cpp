@@ -187,6 +187,7 @@ TEST(Colliders, AreRefusedWhenImpossible) {
                                  {CylinderShape{Vec3::Zero(), Vec3::UnitX(), 1, -1}},
                                  {Bowl{Vec3::Zero(), Vec3::UnitZ(), NAN}},
                                  {open},
+                                 {MeshShape{}},
                                  {PlaneShape{}, {}, -1, 0},
                                  {PlaneShape{}, {{{1}, {0}}}}};
   for (const Collider& collider : wrong) {

@@ -56,7 +56,7 @@ double energy_of(const Model& model, const std::vector<Vec3>& positions, Index e
   return rest.determinant() / 6 * (shear / 2 * (f.squaredNorm() - 3) + bulk / 2 * dilation * dilation);
 }
 
-// Where a beam held at one end sags to, the forces of Macklin and Muller's energy carry the weight of every vertex.
+// Where a beam held at one end sags to, the forces of Macklin and Mueller's energy carry the weight of every vertex.
 TEST(Equilibrium, OfASaggingBeamBalancesForces) {
   const Model model = make(make_box({0.4, 0.1, 0.1}, 0.05), neo_hookean(1e5, 0.4));
   const State state = settle(model, hold(model, [](const Vec3& p) { return p[0] < 0.001; }));

@@ -128,7 +128,7 @@ TEST(Gradients, AreFiniteDifferences) {
   }
 }
 
-// The two constraints together are the energy of Macklin and Muller, whose hydrostatic one is det F - 1 - mu / lambda'.
+// The two constraints together are Macklin and Mueller's energy, whose hydrostatic one is det F - 1 - mu / lambda'.
 TEST(Gradients, AreOfTheNeoHookeanEnergy) {
   std::mt19937 engine(2);
   std::uniform_real_distribution<double> uniform(-2, 2);

@@ -202,6 +202,16 @@ std::string refusal(const Scene& scene, const RunOptions& options) {
   return "accepted";
 }
 
+TEST(Run, ImpossibleOptionsAreRefused) {
+  const Scene scene = scene_of(falling_blocks());
+  EXPECT_NE(refusal(scene, {}).find("folder: is not named"), std::string::npos);
+  const TemporaryFolder folder;
+  RunOptions options = to(folder.path());
+  options.frames = -1;
+  EXPECT_NE(refusal(scene, options).find("frames: are -1"), std::string::npos);
+  EXPECT_TRUE(files_of(folder.path()).empty());
+}
+
 TEST(Run, OtherRunsAreLeftAlone) {
   const TemporaryFolder folder;
   run_scene(scene_of(falling_blocks()), to(folder.path()));

@@ -77,7 +77,8 @@ class BoundaryPathFinder {
  public:
   /// @param mesh       topology; must outlive the finder
   /// @param positions  (n_vertices x D) [m]
-  /// @throws Error     when sizes differ or a position is not finite; so do update() and rebuild()
+  /// @throws Error     when the mesh has no element, sizes differ, or a position is not finite; so do update() and
+  ///                   rebuild()
   BoundaryPathFinder(const SimplexMesh<D>& mesh, std::span<const Vec<D>> positions, PathOptions options = {});
   ~BoundaryPathFinder();
   BoundaryPathFinder(BoundaryPathFinder&&) noexcept;
@@ -86,8 +87,8 @@ class BoundaryPathFinder {
   /// Takes a new pose: refits the hierarchies in O(n), and rebuilds one whose quality has become poor.
   void update(std::span<const Vec<D>> positions);
 
-  /// The same in two halves, for poses in which next to nothing is asked of the boundary: without the second all but
-  /// find_paths() and find_faces_near() may be asked, which throw.
+  /// The same in two halves, for poses in which next to nothing is asked of the boundary: until the second is called,
+  /// find_paths() and find_faces_near() throw, and all else may be asked.
   void update_elements(std::span<const Vec<D>> positions);
   void update_faces();
 
@@ -120,10 +121,12 @@ class BoundaryPathFinder {
     std::vector<PathQuery<D>> queries;
     std::vector<std::int64_t> first;
   };
+  /// @throws Error  when a point is not finite
   Located locate(std::span<const Vec<D>> points) const;
 
   /// The same for vertices, on the boundary or not, each without its own elements: all pairs ascending by vertex, then
   /// element, ready for find_paths().
+  /// @throws Error  when a vertex is out of range
   std::vector<PathQuery<D>> locate_vertices(std::span<const Index> vertices) const;
 
   /// Elements, or boundary faces, that a box may meet: all that do and a few that lie near it, in a fixed order;

@@ -53,7 +53,7 @@ struct ContactStatistics {
 class ContactFinder {
  public:
   /// @param mesh            topology, all objects in one; must outlive the finder
-  /// @param rest_positions  (n_vertices x 3) for ClosestPointRule::kRestPose, else may be empty [m]
+  /// @param rest_positions  (n_vertices x 3) for ClosestPointRule::kRestPose; may be empty with the other rules [m]
   /// @param positions       (n_vertices x 3) where the first step starts [m]
   /// @param vertex_objects  (n_vertices) number of the object that each vertex belongs to, for
   ///                        ClosestPointRule::kEuclidean; empty: connected components
@@ -71,6 +71,7 @@ class ContactFinder {
   /// Contacts of the step that ends at the given positions, sorted by kind, then by what penetrates: for each point
   /// that is inside an element its way out; for each free vertex its first impact on a face; pairs of free edges that
   /// are the first impact of one of the two. Parallel; the same bits for any number of threads.
+  /// @throws Error  also before the first begin_step()
   void find_contacts(std::span<const Vec3> positions_t1, std::vector<Contact>& contacts);
 
   /// Of the last step.

@@ -4,9 +4,9 @@
 
 namespace selvage {
 
-/// Coefficients of friction.
+/// Coefficients of (Coulomb) friction: of what sticks, and of what slips.
 struct Friction {
-  double at_rest = 0, sliding = 0;
+  double static_friction = 0, dynamic_friction = 0;
 };
 
 /// What one contact has done to its point during a step in which it is projected any number of times.
@@ -17,9 +17,9 @@ struct Grip {
 
 /// Friction of one contact after each projection along its normal: the change of the point's displacement relative to
 /// the surface. All of it since the start of the step together undoes the whole tangential displacement where that
-/// takes no more than `at_rest` times what the contact has pressed in the step (stick), else it is no more than
-/// `sliding` times that (slip). Judged per projection instead, what is pressed once and projected again would hardly
-/// hold: the second time there is little left to press.
+/// takes no more than `static_friction` times what the contact has pressed in the step (stick), else it is no more than
+/// `dynamic_friction` times that (slip). Judged per projection instead, what is pressed once and projected again would
+/// hardly hold: the second time there is little left to press.
 ///
 /// Share it out as the contact's projection was: vertex i moves by m_i w_i / (sum of m_k w_k^2) times the result, with
 /// m the inverse masses and w the contact's weights.

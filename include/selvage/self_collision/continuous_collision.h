@@ -57,7 +57,8 @@ class ContinuousCollisionFinder {
   /// @param positions_t0  (n_vertices x 3) at the start of the step [m]
   /// @param positions_t1  (n_vertices x 3) at its end [m]
   /// @param options       method, filters and thickness; include_adjacent changes nothing
-  /// @throws Error        when sizes differ, a position is not finite, or an option does not fit
+  /// @throws Error        when sizes differ, a position is not finite, or an option does not fit the mesh; update()
+  ///                      and rebuild() likewise
   ContinuousCollisionFinder(const TriangleMesh& mesh, std::span<const Vec3> positions_t0,
                             std::span<const Vec3> positions_t1, SelfCollisionOptions options = {});
   ~ContinuousCollisionFinder();
@@ -86,7 +87,8 @@ class ContinuousCollisionFinder {
 
   /// The largest fraction of the step that is free of collisions: 1 where nothing meets; else the earliest time of
   /// impact, no later than the true one and at most 1e-6 earlier. 0 where something meets at the start.
-  /// @param pairs  what find_pairs() gave, where that has been asked for already
+  /// @param pairs   what find_pairs() gave, where that has been asked for already
+  /// @throws Error  when a vertex, a face or an edge is out of range
   double find_free_step() const { return find_free_step(find_pairs()); }
   double find_free_step(const ContinuousPairs& pairs) const;
 

@@ -96,7 +96,8 @@ class SelfCollisionFinder {
  public:
   /// @param mesh       topology; must outlive the finder
   /// @param positions  (n_vertices x 3) [m]
-  /// @throws Error     when sizes differ, a position is not finite, or an option does not fit the mesh
+  /// @throws Error     when sizes differ, a position is not finite, or an option does not fit the mesh; update() and
+  ///                   rebuild() likewise
   SelfCollisionFinder(const TriangleMesh& mesh, std::span<const Vec3> positions, SelfCollisionOptions options = {});
   ~SelfCollisionFinder();
   SelfCollisionFinder(SelfCollisionFinder&&) noexcept;
@@ -133,6 +134,7 @@ class SelfCollisionFinder {
   std::vector<CommonSegment> find_segments(std::span<const TrianglePair> pairs) const;
 
   /// The same for pairs that find_pairs_with() gave.
+  /// @throws Error  when a triangle is out of range
   std::vector<CommonSegment> find_segments_with(const SelfCollisionFinder& other,
                                                 std::span<const TrianglePair> pairs) const;
 

@@ -10,16 +10,16 @@ namespace selvage {
 
 enum class MaterialKind : std::uint8_t {
   kMassSpring,  ///< a spring along each edge, and the volume of each element
-  kNeoHookean,  ///< Macklin and Muller 2021: a deviatoric and a hydrostatic constraint an element
+  kNeoHookean,  ///< Macklin and Mueller 2021: a deviatoric and a hydrostatic constraint an element
 };
 
 /// What a body is made of.
 ///
 /// Neo-Hookean: the energy per rest volume is mu/2 (|F|^2 - 3) + (lambda + mu)/2 (det F - 1 - mu / (lambda + mu))^2, up
 /// to a constant, where lambda and mu follow from Young's modulus and Poisson's ratio; small strains are Hooke's law
-/// with these. The energy of Macklin and Muller, split so that both constraints are satisfied at rest: C_D = sqrt(|F|^2
-/// + det(F)^2 - 4 det F) of compliance 1 / (mu V), C_H = det F - 1 of compliance 1 / (lambda V). An element that is
-/// flat or inverted recovers; one that has shrunk to a line or a point may not.
+/// with these. The energy of Macklin and Mueller 2021, split so that both constraints are satisfied at rest:
+/// C_D = sqrt(|F|^2 + det(F)^2 - 4 det F) of compliance 1 / (mu V), C_H = det F - 1 of compliance 1 / (lambda V). An
+/// element that is flat or inverted recovers; one that has shrunk to a line or a point may not.
 struct Material {
   MaterialKind kind = MaterialKind::kNeoHookean;
   double density = 1000;         ///< [kg/m^3], positive

@@ -68,8 +68,9 @@ struct RunReport {
 /// A run that is killed at any moment is continued with `resume` from its last whole frame, and every file ends bit for
 /// bit as if it had never stopped, but for what the statistics say of its cost; files of frames are whole or not there.
 ///
-/// @throws Error        before anything is written: the folder holds a run and `resume` is false, or the run of another
-///                      scene; another process writes to it; a file in it is damaged
+/// @throws Error        before anything is written: no folder is named, or frames are negative; the folder holds a run
+///                      and `resume` is false, or the run of another scene; another process writes to it; a file in it
+///                      is damaged
 /// @throws SystemError  when a file cannot be written; it names the frame, and all frames before stay as they are
 RunReport run_scene(const Scene& scene, const RunOptions& options);
 

@@ -37,7 +37,7 @@ struct StepStatistics {
 /// projected then and after each of the others, not once. The material is solved by Gauss-Seidel over blocks of
 /// elements: blocks of one colour share no vertex and are solved at the same time, inside a block by as many lanes as
 /// registers have. The result is the same, bit for bit, for any number of threads and on any instruction set.
-/// Sources: Macklin, Muller, Chentanez 2016 (XPBD); Macklin and Muller 2021; Chen, Diaz, Yuksel 2023 (SPB).
+/// Sources: Macklin, Mueller, Chentanez 2016 (XPBD); Macklin and Mueller 2021; Chen, Diaz, Yuksel 2023 (SPB).
 class XpbdSolver {
  public:
   /// @param model    must outlive the solver
