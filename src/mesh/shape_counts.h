@@ -19,19 +19,25 @@ inline ShapeCells box_cells(const Vec3& size, double cell) {
   return {x, y, z, 6 * x * y * z};
 }
 
-/// Layers through the wall, cells around, cells along. No cell is longer than twice the wall is thick.
+/// Elements of rods and tubes are at most this much longer than thick, however large the cell: then their dihedral
+/// angles stay above 8 degrees.
+inline constexpr double kLongest = 4;
+
+/// Layers through the wall, cells around, cells along.
 inline ShapeCells tube_cells(double outer_radius, double inner_radius, double length, double cell) {
   const double layers = cell_count(outer_radius - inner_radius, cell);
-  if (cell > 2 * (outer_radius - inner_radius)) cell = 2 * (outer_radius - inner_radius);
+  const double longest = kLongest * (outer_radius - inner_radius);
+  if (cell > longest) cell = longest;
   const double around = cell_count(std::numbers::pi * (outer_radius + inner_radius), cell, 12);
   const double along = cell_count(length, cell);
   return {layers, around, along, 6 * layers * around * along};
 }
 
-/// Rings of the disc, layers of prisms along the sweep. No layer is higher than the disc is wide.
+/// Rings of the disc, layers of prisms along the sweep.
 inline ShapeCells swept_cells(double length, double radius, double cell, double fewest_layers) {
   const double rings = cell_count(radius, cell);
-  const double layers = cell_count(length, cell > 2 * radius ? 2 * radius : cell, fewest_layers);
+  const double longest = kLongest * radius;
+  const double layers = cell_count(length, cell > longest ? longest : cell, fewest_layers);
   return {rings, layers, 0, 3 * 6 * rings * rings * layers};
 }
 

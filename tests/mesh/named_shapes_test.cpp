@@ -140,7 +140,7 @@ TEST(NamedPosesRefuse, WhatTheyDoNotHave) {
 }
 
 TEST(NamedPosesRefuse, ElementsTooLargeForABend) {
-  const auto twist = [](MeshFile& mesh) { apply_pose(mesh, "twist", {.turns = 2}); };
+  const auto twist = [](MeshFile& mesh) { apply_pose(mesh, "twist", {.turns = 4}); };
   MeshFile coarse = make_shape("noodle", {.elements = 2000}), fine = make_shape("noodle", {.elements = 20000});
   const std::vector<Vec3> before = coarse.positions;
   EXPECT_NE(refusal([&] { twist(coarse); }).find("inside out, the first of them element"), std::string::npos);

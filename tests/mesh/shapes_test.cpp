@@ -34,11 +34,11 @@ std::vector<ShapeCase> structured_shapes() {
   cases.push_back({"trefoil", make_rod(RodCurve::kTrefoil, 20, 0.2, 0.1), 20 * pi * 0.04, 0.06, 0, 20, 140});
   cases.push_back({"nested knot", make_rod(RodCurve::kNestedKnot, 60, 0.2, 0.1), 60 * pi * 0.04, 0.06, 0, 15, 145});
   cases.push_back({"noodle", make_rod(RodCurve::kCoil, 30, 0.1, 0.05), 30 * pi * 0.01, 0.06, 2, 15, 145});
-  // As coarse as they get: a hexagon, a ring of twelve cells.
-  cases.push_back({"coarse tube", make_tube(0.3, 0.25, 4, 9), pi * 0.0275 * 4, 0.05, 0, 15, 145});
-  cases.push_back({"coarse torus", make_torus(1, 0.05, 9), 2 * pi * pi * 0.0025, 0.3, 0, 15, 145});
-  cases.push_back({"coarse rod", make_rod(RodCurve::kStraight, 3, 0.2, 9), 3 * pi * 0.04, 0.2, 2, 15, 145});
-  cases.push_back({"coarse noodle", make_rod(RodCurve::kCoil, 60, 0.1, 9), 60 * pi * 0.01, 0.25, 2, 15, 145});
+  // As coarse as they get: a hexagon, a ring of twelve cells, and few of them along the coil.
+  cases.push_back({"coarse tube", make_tube(0.3, 0.25, 4, 9), pi * 0.0275 * 4, 0.05, 0, 8, 145});
+  cases.push_back({"coarse torus", make_torus(1, 0.05, 9), 2 * pi * pi * 0.0025, 0.3, 0, 8, 145});
+  cases.push_back({"coarse rod", make_rod(RodCurve::kStraight, 3, 0.2, 9), 3 * pi * 0.04, 0.2, 2, 8, 145});
+  cases.push_back({"coarse noodle", make_rod(RodCurve::kCoil, 60, 0.1, 9), 60 * pi * 0.01, 0.45, 2, 8, 145});
   return cases;
 }
 
