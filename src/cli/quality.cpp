@@ -21,11 +21,25 @@ double angle_between(const Vec3& a, const Vec3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
+/// Divides edges by the power of two that brings the longest near 1, so that no product of a few of them overflows or
+/// vanishes.
+/// @return  the exponent
+int take_scale(std::array<Vec3, 3>& edges) {
+  double largest = 0;
+  for (const Vec3& edge : edges) largest = std::max(largest, edge.cwiseAbs().maxCoeff());
+  if (!(largest > 0) || !std::isfinite(largest)) return 0;
+  const int exponent = std::ilogb(largest);
+  for (Vec3& edge : edges)
+    for (double& x : edge) x = std::ldexp(x, -exponent);
+  return exponent;
+}
+
 ElementQuality quality_of(std::span<const Vec3> x, const VertexTuple<3>& t) {
-  const std::array<Vec3, 3> sides{x[t[2]] - x[t[1]], x[t[0]] - x[t[2]], x[t[1]] - x[t[0]]};
+  std::array<Vec3, 3> sides{x[t[2]] - x[t[1]], x[t[0]] - x[t[2]], x[t[1]] - x[t[0]]};
+  const int exponent = take_scale(sides);
   const double area = sides[0].cross(sides[1]).norm() / 2;
   if (!(area > 0)) return {};
-  ElementQuality q{std::numbers::pi, 0, 0, area};
+  ElementQuality q{std::numbers::pi, 0, 0, std::ldexp(area, 2 * exponent)};
   for (int i = 0; i < 3; ++i) {
     const double angle = angle_between(-sides[(i + 1) % 3], sides[(i + 2) % 3]);
     q.smallest_angle = std::min(q.smallest_angle, angle);
@@ -38,12 +52,14 @@ ElementQuality quality_of(std::span<const Vec3> x, const VertexTuple<3>& t) {
 }
 
 ElementQuality quality_of(std::span<const Vec3> x, const VertexTuple<4>& t) {
-  const Vec3 a = x[t[1]] - x[t[0]], b = x[t[2]] - x[t[0]], c = x[t[3]] - x[t[0]];
+  std::array<Vec3, 3> edges{x[t[1]] - x[t[0]], x[t[2]] - x[t[0]], x[t[3]] - x[t[0]]};
+  const int exponent = take_scale(edges);
+  const auto& [a, b, c] = edges;
   const double six_volumes = a.dot(b.cross(c));
   if (six_volumes == 0) return {};
   // Outward normals, as long as twice the faces' areas; all flip together when the element is inverted.
   const std::array<Vec3, 4> normals{(b - a).cross(c - a), c.cross(b), a.cross(c), b.cross(a)};
-  ElementQuality q{std::numbers::pi, 0, 0, six_volumes / 6};
+  ElementQuality q{std::numbers::pi, 0, 0, std::ldexp(six_volumes / 6, 3 * exponent)};
   double surface = 0;
   for (int i = 0; i < 4; ++i) {
     surface += normals[i].norm() / 2;

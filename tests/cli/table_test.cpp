@@ -96,6 +96,22 @@ TEST(Quality, RegularTetrahedronIsPerfectInAnyOrder) {
   } while (std::next_permutation(order.begin(), order.end()));
 }
 
+TEST(Quality, IsThatOfTheShapeWhateverItsSize) {
+  const std::vector<Vec3> x{{0, 0, 0}, {1, 0, 0}, {0.2, 1, 0}, {0.3, 0.1, 1}};
+  const std::vector<VertexTuple<4>> tet{{0, 1, 2, 3}};
+  const std::vector<VertexTuple<3>> triangle{{0, 1, 3}};
+  for (const int exponent : {-1020, -500, 300, 340, 1000}) {
+    std::vector<Vec3> scaled = x;
+    for (Vec3& p : scaled)
+      for (double& coordinate : p) coordinate = std::ldexp(coordinate, exponent);
+    EXPECT_EQ(measure_quality(scaled, tet).mean_ratio, measure_quality(x, tet).mean_ratio) << exponent;
+    EXPECT_EQ(measure_quality(scaled, tet).largest_angle, measure_quality(x, tet).largest_angle) << exponent;
+    EXPECT_EQ(measure_quality(scaled, triangle).mean_ratio, measure_quality(x, triangle).mean_ratio) << exponent;
+    EXPECT_EQ(measure_quality(scaled, triangle).measure,
+              std::ldexp(measure_quality(x, triangle).measure, 2 * exponent));
+  }
+}
+
 TEST(Quality, FlatElementsHaveNone) {
   const std::vector<Vec3> x{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 5, 0}};
   const Quality line = measure_quality(x, std::vector<VertexTuple<3>>{{0, 1, 2}});
