@@ -6,6 +6,7 @@
 #include <barrier>
 #include <chrono>
 #include <numeric>
+#include <thread>
 
 namespace selvage::bench {
 
