@@ -30,7 +30,11 @@ struct InfoOptions {
 constexpr const char* kInfoExample =
     "  selvage make octopus -o octopus.vtu\n"
     "  selvage info octopus.vtu\n"
-    "  selvage info octopus.vtu --json - | jq .volume";
+    "  selvage info octopus.vtu --json - | jq .volume\n"
+    "\n"
+    "The radius ratio of an element is 1 where it is regular and 0 where it is flat. Inverted elements are inside out; "
+    "around an overwound ridge the elements turn more than once. What that means for shortest paths is said in "
+    "docs/boundary_path.md.";
 
 std::int64_t count_unused(const MeshFile& file) {
   std::vector<char> used(file.positions.size(), 0);
