@@ -50,7 +50,8 @@ class XpbdSolver {
   XpbdSolver& operator=(XpbdSolver&&) noexcept;
 
   /// Takes the state one time step further. What follows depends on the state alone, not on steps before.
-  /// @throws Error  naming the first vertex whose position stops being finite (is_in_range()); the state is then left as it was
+  /// @throws Error  naming the first vertex whose position stops being finite (is_in_range()); the state is then left
+  /// as it was
   void step(State& state);
 
   /// Of the last step.
