@@ -115,7 +115,7 @@ class Search {
   void test(const Candidate<D>& candidate);
   void test_touching(const Candidate<D>& candidate);
   void accept(const Candidate<D>& candidate);
-  void settle();
+  Candidate<D> settle(Candidate<D> candidate) const;
   /// Whether the candidate is so far that its path may meet inverted elements.
   bool follows_inverted_rules(const Candidate<D>& candidate) const {
     return state_ == ComponentState::kInverted && !(std::sqrt(candidate.squared_distance) < defect_distance_);
@@ -279,7 +279,6 @@ PathResult<D> Search<D>::finish() {
   PathResult<D> result;
   if (!is_inside_) result.status = PathStatus::kNotInElement;
   if (best_squared_ == kInfinity) return result;
-  settle();
   result.status = PathStatus::kFound;
   result.face = smallest_face(best_);
   result.target_count = best_.target.count;

@@ -161,24 +161,29 @@ void Search<D>::test(const Candidate<D>& candidate) {
 
 template <int D>
 void Search<D>::accept(const Candidate<D>& candidate) {
-  best_ = candidate;
-  best_squared_ = candidate.squared_distance;
+  const Candidate<D> settled = settle(candidate);
+  if (settled.face != candidate.face && is_worse(settled)) return;
+  best_ = settled;
+  best_squared_ = settled.squared_distance;
   reject_above_ = std::sqrt(squared_bound()) * kBoundSlack;
 }
 
-/// A rounding may have made an infeasible candidate win over the closer one beside it. Culling would have led to that
-/// one.
+/// Without culling a rounding may make an infeasible candidate win over the closer one beside it, to which culling
+/// would have led: that one, if its path is valid.
 template <int D>
-void Search<D>::settle() {
-  if (scene_.options.cull_infeasible_regions) return;  // then it has been asked already
+Candidate<D> Search<D>::settle(Candidate<D> candidate) const {
+  if (scene_.options.cull_infeasible_regions) return candidate;
   constexpr int kMostSteps = 16;
   for (int step = 0; step < kMostSteps; ++step) {
-    const Index closer = closer_neighbour(best_);
-    if (closer == kNone || is_excluded(closer) || is_zero(best_.offset)) return;
-    const Candidate<D> candidate = candidates_.make(closer, candidates_.estimate(closer));
-    if (candidate.squared_distance > best_squared_ * kBoundSlack) return;
-    best_ = candidate;
+    const Index closer = closer_neighbour(candidate);
+    if (closer == kNone || is_excluded(closer) || is_zero(candidate.offset)) break;
+    const Candidate<D> next = candidates_.make(closer, candidates_.estimate(closer));
+    const double longer = std::max(next.squared_distance, candidate.squared_distance);
+    if (longer > std::min(next.squared_distance, candidate.squared_distance) * kBoundSlack) break;
+    if (!Walk<D>(scene_, query_, strictly_inside_, nullptr).follow(next, false).valid) break;
+    candidate = next;
   }
+  return candidate;
 }
 
 /// The smallest boundary face at the same corner of the material that has the same closest point: none that is left out

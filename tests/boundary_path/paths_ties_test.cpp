@@ -90,5 +90,30 @@ TEST(Ties, TheMiddleOfACubeIsNearestToItsFirstFace) {
   }
 }
 
+/// Faces that are equally far, while a rounding puts an edge between them nearer than both.
+TEST(PathTies, AreToldApartAlikeWithoutCulling) {
+  const auto solid = families::moved<3>(families::grid(2, 2, 1),
+                                        [](const Vec3& x) -> Vec3 { return (x + Vec3::Constant(1e6)) * 1e-5; });
+  const TetMesh mesh(static_cast<Index>(solid.positions.size()), solid.elements);
+  std::vector<PathQuery<3>> queries;
+  constexpr int kParts = 10;
+  for (Index e = 0; e < mesh.element_count(); ++e) {
+    const auto& v = mesh.elements()[e];
+    for (int a = 0; a <= kParts; ++a)
+      for (int b = 0; a + b <= kParts; ++b)
+        for (int c = 0; a + b + c <= kParts; ++c) {
+          Vec3 point = Vec3::Zero();
+          const std::array<int, 4> weights{a, b, c, kParts - a - b - c};
+          for (int i = 0; i < 4; ++i) point += solid.positions[v[i]] * (weights[i] / double{kParts});
+          queries.push_back({point, e});
+        }
+  }
+  const auto culled = BoundaryPathFinder<3>(mesh, solid.positions).find_paths(queries);
+  const auto all = BoundaryPathFinder<3>(mesh, solid.positions, {.cull_infeasible_regions = false}).find_paths(queries);
+  for (std::size_t i = 0; i < queries.size(); ++i)
+    ASSERT_TRUE(families::is_identical<3>(culled[i], all[i]))
+        << i << ": faces " << culled[i].face << ", " << all[i].face;
+}
+
 }  // namespace
 }  // namespace selvage
