@@ -115,6 +115,7 @@ class Search {
   void test(const Candidate<D>& candidate);
   void test_touching(const Candidate<D>& candidate);
   void accept(const Candidate<D>& candidate);
+  void keep(const Candidate<D>& candidate);
   Candidate<D> settle(Candidate<D> candidate) const;
   /// Whether the candidate is so far that its path may meet inverted elements.
   bool follows_inverted_rules(const Candidate<D>& candidate) const {

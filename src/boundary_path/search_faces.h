@@ -161,10 +161,15 @@ void Search<D>::test(const Candidate<D>& candidate) {
 
 template <int D>
 void Search<D>::accept(const Candidate<D>& candidate) {
+  if (scene_.options.cull_infeasible_regions) return keep(candidate);
   const Candidate<D> settled = settle(candidate);
-  if (settled.face != candidate.face && is_worse(settled)) return;
-  best_ = settled;
-  best_squared_ = settled.squared_distance;
+  if (settled.face == candidate.face || !is_worse(settled)) keep(settled);
+}
+
+template <int D>
+void Search<D>::keep(const Candidate<D>& candidate) {
+  best_ = candidate;
+  best_squared_ = candidate.squared_distance;
   reject_above_ = std::sqrt(squared_bound()) * kBoundSlack;
 }
 
@@ -172,7 +177,6 @@ void Search<D>::accept(const Candidate<D>& candidate) {
 /// would have led: that one, if its path is valid.
 template <int D>
 Candidate<D> Search<D>::settle(Candidate<D> candidate) const {
-  if (scene_.options.cull_infeasible_regions) return candidate;
   constexpr int kMostSteps = 16;
   for (int step = 0; step < kMostSteps; ++step) {
     const Index closer = closer_neighbour(candidate);
