@@ -3,6 +3,7 @@
 #include "kernels/arithmetic.h"
 #include "simulation/material_blocks.h"
 
+#include <atomic>
 #include <barrier>
 #include <chrono>
 #include <numeric>
@@ -43,6 +44,31 @@ struct MachineLimit {
     return {(operations_per_second + other.operations_per_second) / 2, (bytes_per_second + other.bytes_per_second) / 2};
   }
 };
+
+/// How long a cache line takes from one thread to another: half of a way there and back. A virtual machine may move its
+/// processors to cores that share no cache, and then what threads do in turns takes longer. [s]
+inline double measure_handover() {
+  constexpr int kTurns = 1000;
+  std::atomic<int> turn = 0;
+  std::jthread other([&] {
+    for (int i = 0; i < kTurns; ++i) {
+      while (turn.load(std::memory_order_acquire) != 2 * i + 1) {
+      }
+      turn.store(2 * i + 2, std::memory_order_release);
+    }
+  });
+  turn.store(1, std::memory_order_release);
+  while (turn.load(std::memory_order_acquire) != 2) {
+  }
+  const auto start = std::chrono::steady_clock::now();
+  for (int i = 1; i < kTurns; ++i) {
+    turn.store(2 * i + 1, std::memory_order_release);
+    while (turn.load(std::memory_order_acquire) != 2 * i + 2) {
+    }
+  }
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  return seconds.count() / (2 * (kTurns - 1));
+}
 
 /// Measures the limit whenever it is asked, in some ten milliseconds: doubles multiplied and added in registers, and
 /// beside that as many divided and taken the root of as an element has; and doubles multiplied in passes over so much

@@ -60,7 +60,11 @@ json run(const Scene& scene, std::int64_t frames, int threads) {
     bytes += material_bytes(body.element_count, body.vertex_count, body.material.damping > 0);
   LimitMeter meter(threads, bytes);
   std::vector<MachineLimit> limits;
-  options.on_frame = [&](const FrameStatistics&) { limits.push_back(meter.measure()); };
+  std::vector<double> handovers;
+  options.on_frame = [&](const FrameStatistics&) {
+    limits.push_back(meter.measure());
+    if (threads > 1) handovers.push_back(measure_handover());
+  };
   const RunReport report = run_scene(scene, options);
   json summary = json::parse(summarize_run(scene, report));
   double constraints = 0, seconds = 0, least = 0;
@@ -75,15 +79,20 @@ json run(const Scene& scene, std::int64_t frames, int threads) {
     summary["constraints_per_second"] = constraints / seconds;
     summary["fraction_of_limit"] = least / seconds;
   }
+  if (!handovers.empty()) {
+    const auto middle = handovers.begin() + std::ssize(handovers) / 2;
+    std::nth_element(handovers.begin(), middle, handovers.end());
+    summary["handover_seconds"] = *middle;
+  }
   return summary;
 }
 
 void print_head(std::FILE* table) {
   fmt::print(table,
              "{:<26} {:>9} {:>10} {:>8} {:>8} {:>8} {:>7} {:>6} {:>6} {:>12} {:>8} {:>8} {:>6} {:>6} {:>6} {:>6} {:>8} "
-             "{:>6}  {}\n",
+             "{:>6} {:>5}  {}\n",
              "scene", "vertices", "elements", "ccd", "dcd", "paths", "volumes", "trav.", "elem.", "step x iter",
-             "avg s", "max s", "xpbd", "ccd", "dcd", "paths", "M con./s", "limit", "at the end");
+             "avg s", "max s", "xpbd", "ccd", "dcd", "paths", "M con./s", "limit", "ns", "at the end");
 }
 
 void print_row(std::FILE* table, const std::string& name, const json& s) {
@@ -91,19 +100,20 @@ void print_row(std::FILE* table, const std::string& name, const json& s) {
   const auto& path = s["average_per_path"];
   const auto& share = s["shares"];
   const auto percent = [&](const char* part) { return 100 * share[part].get<double>(); };
-  fmt::print(table,
-             "{:<26} {:>9} {:>10} {:>8.1f} {:>8.1f} {:>8.1f} {:>7.1f} {:>6.2f} {:>6.2f} {:>12} {:>8.3f} {:>8.3f} "
-             "{:>5.1f}% {:>5.1f}% {:>5.1f}% {:>5.1f}% {:>8.1f} {:>5.1f}%  {} penetrate by {:.2g} m, {} inverted{}\n",
-             name, s["vertices"].get<std::int64_t>(), s["elements"].get<std::int64_t>(),
-             step["ccd_contacts"].get<double>(), step["dcd_contacts"].get<double>(), step["path_queries"].get<double>(),
-             path["volumes"].get<double>(), path["traversals"].get<double>(), path["elements"].get<double>(),
-             fmt::format("{:.1e} x {}", s["time_step"].get<double>(), s["iterations"].get<int>()),
-             s["frame_seconds"]["average"].get<double>(), s["frame_seconds"]["longest"].get<double>(),
-             percent("material"), percent("ccd"), percent("dcd"), percent("paths"),
-             1e-6 * s.value("constraints_per_second", 0.0), 100 * s.value("fraction_of_limit", 0.0),
-             s["at_end"]["penetrating_vertices"].get<std::int64_t>(), s["at_end"]["deepest_penetration"].get<double>(),
-             s["at_end"]["inverted_elements"].get<std::int64_t>(),
-             s["outcome"] == "finished" ? "" : "; " + s["message"].get<std::string>());
+  fmt::print(
+      table,
+      "{:<26} {:>9} {:>10} {:>8.1f} {:>8.1f} {:>8.1f} {:>7.1f} {:>6.2f} {:>6.2f} {:>12} {:>8.3f} {:>8.3f} "
+      "{:>5.1f}% {:>5.1f}% {:>5.1f}% {:>5.1f}% {:>8.1f} {:>5.1f}% {:>5.0f}  {} penetrate by {:.2g} m, {} inverted{}\n",
+      name, s["vertices"].get<std::int64_t>(), s["elements"].get<std::int64_t>(), step["ccd_contacts"].get<double>(),
+      step["dcd_contacts"].get<double>(), step["path_queries"].get<double>(), path["volumes"].get<double>(),
+      path["traversals"].get<double>(), path["elements"].get<double>(),
+      fmt::format("{:.1e} x {}", s["time_step"].get<double>(), s["iterations"].get<int>()),
+      s["frame_seconds"]["average"].get<double>(), s["frame_seconds"]["longest"].get<double>(), percent("material"),
+      percent("ccd"), percent("dcd"), percent("paths"), 1e-6 * s.value("constraints_per_second", 0.0),
+      100 * s.value("fraction_of_limit", 0.0), 1e9 * s.value("handover_seconds", 0.0),
+      s["at_end"]["penetrating_vertices"].get<std::int64_t>(), s["at_end"]["deepest_penetration"].get<double>(),
+      s["at_end"]["inverted_elements"].get<std::int64_t>(),
+      s["outcome"] == "finished" ? "" : "; " + s["message"].get<std::string>());
   std::fflush(table);
 }
 
@@ -140,8 +150,10 @@ void measure_simulation(const SimulationPlan& plan, std::FILE* table, const std:
   if (!fs::is_directory(plan.folder))
     throw Error(plan.folder.string(), "is no folder of scenes", "name it by --scenes");
   const MachineLimit limit = LimitMeter(plan.threads, kLargeMemory).measure();
-  fmt::print(table, "{} threads, at most {:.1f} G operations/s on doubles and {:.1f} GB/s of memory\n\n", plan.threads,
-             1e-9 * limit.operations_per_second, 1e-9 * limit.bytes_per_second);
+  fmt::print(table,
+             "{} threads, at most {:.1f} G operations/s on doubles and {:.1f} GB/s of memory\n"
+             "limit: what the material solve reaches of that; ns: a cache line from thread to thread, median\n\n",
+             plan.threads, 1e-9 * limit.operations_per_second, 1e-9 * limit.bytes_per_second);
   print_head(table);
   json results = json::array(), growth = json::array();
   for (const std::string& name : names_of(plan)) {
