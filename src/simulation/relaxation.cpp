@@ -156,7 +156,6 @@ void Relaxation::set_positions(std::span<const Vec3> positions) {
 void Relaxation::place(std::span<const Vec3> positions) {
   set_positions(positions);
   inverted_ = find_inverted(mesh_, positions_);
-  inverted_.clear();
 }
 
 void Relaxation::limit_displacements() {

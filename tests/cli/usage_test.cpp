@@ -39,7 +39,6 @@ TEST_F(UsageTest, BadUsageIsOneLineAndStatusTwo) {
   expect_refused("info a.t --threads 0", 2, {"--threads"});
   expect_refused("info a.t --threads many", 2, {"--threads"});
   expect_refused("make box", 2, {"--output"});
-  expect_refused("make box -o box.t --cell thin", 2, {"--cell"});
   expect_refused("make box -o box.t --cell 1 --elements 5", 2, {"--elements"});
   expect_refused("make rod --curve circle -o rod.t", 2, {"circle"});
   expect_refused("make box -o a.t b.t", 2, {"b.t"});
