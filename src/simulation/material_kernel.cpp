@@ -46,22 +46,21 @@ constexpr Index kAhead = 3;
 template <bool kDamped>
 class Fetcher {
  public:
-  Fetcher(const MaterialTask& task, const MaterialBlock& block, Index next)
-      : task_(task), last_batch_(task.blocks[next].last_element_batch - 1) {
-    const MaterialBlock& following = task.blocks[next];
-    place_ = following.first_vertex;
-    last_place_ = following.last_vertex;
+  Fetcher(const MaterialTask& task, const MaterialBlock& block, const MaterialBlock& next)
+      : task_(task), block_(block), next_(next), place_(next.first_vertex) {
     const Index batches = std::max(block.last_element_batch - block.first_element_batch, 1);
-    places_per_batch_ = (last_place_ - place_ + batches - 1) / batches;
+    places_per_batch_ = (next.last_vertex - next.first_vertex + batches - 1) / batches;
   }
 
   /// The batch to fetch meanwhile.
   SELVAGE_INLINE const ElementBatch& batch_after(Index batch) const {
-    return task_.elements[std::min(batch + kAhead, last_batch_)];
+    const Index beyond = batch + kAhead - block_.last_element_batch;
+    return task_.elements[beyond < 0 ? batch + kAhead
+                                     : std::min(next_.first_element_batch + beyond, next_.last_element_batch - 1)];
   }
 
   SELVAGE_INLINE void fetch_vertices() {
-    for (const Index end = std::min(place_ + places_per_batch_, last_place_); place_ < end; ++place_) {
+    for (const Index end = std::min(place_ + places_per_batch_, next_.last_vertex); place_ < end; ++place_) {
       const Index v = task_.block_vertices[place_];
       prefetch(task_.vertices + v);
       if constexpr (kDamped) prefetch(task_.start + v);
@@ -70,11 +69,12 @@ class Fetcher {
 
  private:
   const MaterialTask& task_;
-  Index last_batch_, place_, last_place_, places_per_batch_;
+  const MaterialBlock &block_, &next_;
+  Index place_, places_per_batch_;
 };
 
 template <bool kDamped, bool kFirst>
-void solve_block(const MaterialTask& task, const MaterialBlock& block, Index next, BlockRows& rows) {
+void solve_block(const MaterialTask& task, const MaterialBlock& block, const MaterialBlock& next, BlockRows& rows) {
   const MaterialStep& step = task.bodies[block.body];
   const std::span vertices(task.block_vertices + block.first_vertex, task.block_vertices + block.last_vertex);
   rows.load<kDamped>(task, vertices);
@@ -109,7 +109,7 @@ void solve_blocks(const MaterialTask& task, Index first, Index last) {
   BlockRows rows;
   for (Index n = first; n < last; ++n) {
     const MaterialBlock& block = task.blocks[n];
-    const Index next = n + 1 < task.block_count ? n + 1 : n;
+    const MaterialBlock& next = task.blocks[n + 1 < last ? n + 1 : task.next_block];
     const bool damped = task.bodies[block.body].damping > 0;
     if (task.is_first)
       damped ? solve_block<true, true>(task, block, next, rows) : solve_block<false, true>(task, block, next, rows);

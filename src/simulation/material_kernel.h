@@ -22,9 +22,9 @@ struct MaterialTask {
   ElementBatch* elements;
   EdgeBatch* edges;
   const MaterialBlock* blocks;
-  Index block_count;
   const MaterialStep* bodies;
-  bool is_first;  ///< of the step: multipliers start from zero
+  bool is_first;     ///< of the step: multipliers start from zero
+  Index next_block;  ///< what will most likely be solved after the last of those given: it is fetched
 };
 
 // Solves the blocks [first, last) one after the other.

@@ -1,6 +1,6 @@
 #include "simulation/material_solver.h"
 
-#include "selvage/core/parallel.h"
+#include "core/phases.h"
 
 namespace selvage {
 
@@ -45,17 +45,16 @@ void MaterialSolver::solve(std::span<VertexRow> vertices, std::span<const Vertex
                     blocks_.elements.data(),
                     blocks_.edges.data(),
                     blocks_.blocks.data(),
-                    static_cast<Index>(blocks_.blocks.size()),
                     bodies_.data(),
-                    true};
+                    true,
+                    0};
   for (int iteration = first; iteration < last; ++iteration) {
     task.is_first = iteration == 0;
-    for (Index colour = 0; colour < blocks_.colour_count(); ++colour) {
-      const Index base = blocks_.colour_first[colour];
-      parallel_ranges(blocks_.colour_first[colour + 1] - base, 1, [&](std::int64_t begin, std::int64_t end) {
-        kernel(task, blocks_.part_first[base + begin], blocks_.part_first[base + end]);
-      });
-    }
+    parallel_phases(blocks_.colour_first, [&](Index part, Index next_part) {
+      MaterialTask of_part = task;
+      of_part.next_block = blocks_.part_first[next_part];
+      kernel(of_part, blocks_.part_first[part], blocks_.part_first[part + 1]);
+    });
   }
 }
 
