@@ -267,7 +267,7 @@ TEST(SceneRuns, ATangledNoodleIsFreeWithinTenSteps) {
 
 /// Pressed together while it passes through itself (SPB figure 16); then contacts have eight frames.
 TEST(SceneRuns, ATangledBallIsFreeWithinEightFrames) {
-  Play play(load("tangled_ball"));
+  Play play(load("tangled_ball", {{"/bodies/0/mesh/elements", "13500"}}));
   play.run_frames(24);
   EXPECT_EQ(play.contacts(), 0);
   const Tangle start = tangle_of(play);
