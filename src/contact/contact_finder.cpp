@@ -106,7 +106,8 @@ ContactFinder::State::State(const TetMesh& m, std::span<const Vec3> rest_positio
   if (uses_rest) rest_pose.emplace(mesh, rest_positions);
   if (options.rule == ClosestPointRule::kEuclidean) euclidean.emplace(mesh, vertex_objects);
   if (uses_dcd())
-    search.emplace(mesh, surface, options.detect_edges, positions, PathOptions{options.cull_infeasible_regions, true});
+    search.emplace(mesh, surface, options.detect_edges, positions, PathOptions{options.cull_infeasible_regions, true},
+                   !options.interior_points);
   positions_t0.assign(positions.begin(), positions.end());
   if (search) is_inside.resize(search->feature_count());
   if (splits() && options.wait_for_inverted) pieces = mesh.element_components();

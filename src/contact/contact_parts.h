@@ -17,7 +17,7 @@ struct PenetratingPoint {
 };
 
 PenetratingPoint penetrating_vertex(Index vertex, Index element, std::span<const Vec3> positions);
-/// @param middle  of the part inside the element: 0 at the edge's first vertex, 1 at its second
+/// @param middle  of what is inside: 0 at the edge's first vertex, 1 at its second
 PenetratingPoint penetrating_edge(Index edge, const VertexTuple<2>& vertices, double middle, Index element,
                                   std::span<const Vec3> positions);
 PenetratingPoint penetrating_centroid(Index of_element, const VertexTuple<4>& vertices, Index element,

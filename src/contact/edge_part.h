@@ -1,14 +1,43 @@
 #pragma once
 
-#include "selvage/core/types.h"
+#include "selvage/mesh/simplex_mesh.h"
 
 #include <optional>
 
 namespace selvage {
 
-/// Where the middle of the part of a segment inside a tetrahedron is: 0 at the segment's first end, 1 at its second.
-/// Nothing where no part is inside, or so short a one that its middle, rounded, is not (decided exactly). A flat
-/// tetrahedron holds nothing, an inverted one what its mirror image holds.
-std::optional<double> middle_of_part(const std::array<Vec3, 2>& segment, const std::array<Vec3, 4>& tetrahedron);
+/// A part of a segment: 0 at the segment's first end, 1 at its second.
+struct EdgePart {
+  double first, last;
+  double middle() const { return (first + last) / 2; }
+};
+
+/// The part of a segment inside a tetrahedron. Nothing where no part is inside, or so short a one that its middle,
+/// rounded, is not (decided exactly). A flat tetrahedron holds nothing, an inverted one what its mirror image holds.
+std::optional<EdgePart> part_inside(const std::array<Vec3, 2>& segment, const std::array<Vec3, 4>& tetrahedron);
+
+/// The part of an edge in an element.
+struct ElementPart {
+  Index element;
+  EdgePart part;
+};
+
+/// A point of an edge, and an element that holds it.
+struct EdgePoint {
+  double place;  ///< 0 at the edge's first end, 1 at its second
+  Index element;
+};
+
+/// The point that stands for what of an edge is inside elements: of the runs of its parts in elements that hang
+/// together, the one with its middle closest to the edge's; and of that run the middle.
+///
+/// The part in a single element would not do: an edge that dips into a body from the side begins in an element of
+/// which it cuts off a sliver, at the body's rim. However little the edge is in, its sliver is still nearer to the
+/// side, and pushed out there.
+///
+/// @param parts  at least one, in any order
+/// @param joins  or else each part is a run of its own, as in SPB
+EdgePoint middle_of_parts(const TetMesh& mesh, std::span<const Vec3> positions, const std::array<Vec3, 2>& segment,
+                          std::vector<ElementPart> parts, bool joins = true);
 
 }  // namespace selvage

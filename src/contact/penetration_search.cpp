@@ -39,10 +39,11 @@ bool add_once(std::vector<std::uint8_t>& is_listed, Index i, std::vector<Index>&
 }  // namespace
 
 PenetrationSearch::PenetrationSearch(const TetMesh& mesh, const TriangleMesh& surface, bool with_edges,
-                                     std::span<const Vec3> positions, PathOptions options)
+                                     std::span<const Vec3> positions, PathOptions options, bool joins_parts)
     : mesh_(mesh),
       surface_(surface),
       with_edges_(with_edges),
+      joins_parts_(joins_parts),
       vertex_count_(static_cast<Index>(mesh.boundary_vertices().size())),
       boundary_place_(mesh.vertex_count(), kNone),
       positions_(positions.begin(), positions.end()),
@@ -184,32 +185,33 @@ std::vector<PointInside> PenetrationSearch::find_vertices(std::span<const Index>
   return inside;
 }
 
-/// In order, each with the part closest to its middle; of equally close ones the first.
+/// In order.
 std::vector<Penetration> PenetrationSearch::find_edges(std::span<const Index> edges,
                                                        PenetrationCounters& counters) const {
   std::vector<Extent> extents;
   for (const Index e : edges) extents.push_back(extent_of(surface_.edges()[e], positions_));
   const auto near = paths_.find_elements_near(extents);
-  std::vector<Penetration> best(edges.size(), {kNone, kNone});
+  std::vector<Penetration> found(edges.size(), {kNone, kNone});
   std::vector<std::int64_t> tested(edges.size(), 0);
-  const auto key = [](const Penetration& p) { return std::tuple(std::abs(p.middle - 0.5), p.element); };
   parallel_for(std::ssize(edges), kEdgesAtOnce, [&](std::int64_t i) {
     const auto& ends = surface_.edges()[edges[i]];
+    const auto segment = corners_of(ends, positions_);
+    std::vector<ElementPart> parts;
     for (std::int64_t k = near.first[i]; k < near.first[i + 1]; ++k) {
       const Index element = near.found[k];
       if (share_vertex(ends, mesh_.elements()[element])) continue;
       ++tested[i];
-      const auto middle =
-          middle_of_part(corners_of(ends, positions_), corners_of(mesh_.elements()[element], positions_));
-      if (!middle || holds_nothing(element)) continue;
-      const Penetration found{vertex_count_ + edges[i], element, *middle};
-      if (best[i].feature == kNone || key(found) < key(best[i])) best[i] = found;
+      const auto part = part_inside(segment, corners_of(mesh_.elements()[element], positions_));
+      if (part && !holds_nothing(element)) parts.push_back({element, *part});
     }
+    if (parts.empty()) return;
+    const EdgePoint middle = middle_of_parts(mesh_, positions_, segment, std::move(parts), joins_parts_);
+    found[i] = {vertex_count_ + edges[i], middle.element, middle.place};
   });
   for (const std::int64_t count : tested) counters.elements_tested += count;
-  std::erase_if(best, [](const Penetration& p) { return p.feature == kNone; });
-  std::sort(best.begin(), best.end(), [](const auto& a, const auto& b) { return a.feature < b.feature; });
-  return best;
+  std::erase_if(found, [](const Penetration& p) { return p.feature == kNone; });
+  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.feature < b.feature; });
+  return found;
 }
 
 /// Elements that may meet the boundary inside, or a defect, or that lie at an inner vertex that is not settled.

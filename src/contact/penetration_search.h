@@ -10,7 +10,7 @@ namespace selvage {
 struct Penetration {
   Index feature;  ///< see PenetrationSearch
   Index element;
-  double middle = 0;  ///< of an edge: see middle_of_part()
+  double middle = 0;  ///< of an edge: see middle_of_parts()
 };
 
 /// A point of the material, by the number of what it belongs to, and an element that holds it.
@@ -31,8 +31,9 @@ struct PointInside {
 class PenetrationSearch {
  public:
   /// @param with_edges  whether edges are features, too
+  /// @param joins_parts  whether an edge's parts in elements that hang together count as one; see middle_of_parts()
   PenetrationSearch(const TetMesh& mesh, const TriangleMesh& surface, bool with_edges, std::span<const Vec3> positions,
-                    PathOptions options = {});
+                    PathOptions options = {}, bool joins_parts = true);
 
   Index feature_count() const { return vertex_count_ + (with_edges_ ? surface_.edge_count() : 0); }
   bool is_edge(Index feature) const { return feature >= vertex_count_; }
@@ -46,8 +47,8 @@ class PenetrationSearch {
   void prepare_paths() { paths_.update_faces(); }
   const BoundaryPathFinder<3>& paths() const { return paths_; }
 
-  /// Every vertex with each element that holds it, every edge with the one of them whose part has its middle closest to
-  /// that of the edge; ascending. Elements on the boundary that are inverted hold nothing (SPB section 3.5).
+  /// Every vertex with each element that holds it, every edge with the middle of what of it is inside and an element
+  /// that holds that; ascending. Elements on the boundary that are inverted hold nothing (SPB section 3.5).
   std::vector<Penetration> find_all(PenetrationCounters& counters);
 
   /// The same for features in ascending order.
@@ -79,7 +80,7 @@ class PenetrationSearch {
 
   const TetMesh& mesh_;
   const TriangleMesh& surface_;
-  bool with_edges_;
+  bool with_edges_, joins_parts_;
   Index vertex_count_ = 0;             ///< on the boundary
   std::vector<Index> boundary_place_;  ///< per vertex, among those on the boundary
   std::vector<Index> pieces_;          ///< a face of each connected piece of the surface

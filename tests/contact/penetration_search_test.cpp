@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
 
 namespace selvage {
 namespace {
@@ -32,8 +33,55 @@ bool is_inverted_at_the_boundary(const TetMesh& mesh, Index element, std::span<c
          orientation(corners_of(mesh.elements()[element], x)) < 0;
 }
 
+/// What middle_of_parts() does, by labels that spread until none changes.
+std::optional<EdgePoint> plain_middle_of_parts(const TetMesh& mesh, const std::array<Vec3, 2>& segment,
+                                               std::span<const Vec3> x, std::span<const ElementPart> parts,
+                                               bool joins) {
+  std::vector<std::size_t> label(parts.size());
+  std::iota(label.begin(), label.end(), 0);
+  for (bool changes = joins; changes;) {
+    changes = false;
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      for (std::size_t k = 0; k < parts.size(); ++k) {
+        const double gap =
+            std::max(parts[i].part.first, parts[k].part.first) - std::min(parts[i].part.last, parts[k].part.last);
+        if (gap > 1e-9 || !share_vertex(mesh.elements()[parts[i].element], mesh.elements()[parts[k].element])) continue;
+        changes |= label[i] != label[k];
+        label[i] = label[k] = std::min(label[i], label[k]);
+      }
+  }
+  std::optional<EdgePoint> best;
+  double best_middle = 2;
+  for (std::size_t run = 0; run < parts.size(); ++run) {
+    EdgePart whole{2, -1};
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      if (label[i] == run) {
+        whole.first = std::min(whole.first, parts[i].part.first);
+        whole.last = std::max(whole.last, parts[i].part.last);
+      }
+    const double middle = whole.middle();
+    if (whole.first > whole.last || std::abs(middle - 0.5) >= std::abs(best_middle - 0.5)) continue;
+    best_middle = middle;
+    best.reset();
+    double closest = 2;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      if (label[i] != run) continue;
+      const auto holds = [&](double place) {
+        return locate_in_simplex<3>(corners_of(mesh.elements()[parts[i].element], x),
+                                    segment[0] + place * (segment[1] - segment[0]))
+            .inside;
+      };
+      const double own = parts[i].part.middle(), off = holds(middle) ? -1 : std::abs(own - middle);
+      if (off < closest) best = EdgePoint{off < 0 ? middle : own, parts[i].element};
+      closest = std::min(closest, off);
+    }
+  }
+  return best;
+}
+
 /// Every feature with every element.
-std::vector<Penetration> all_pairs(const TetMesh& mesh, const TriangleMesh& surface, std::span<const Vec3> x) {
+std::vector<Penetration> all_pairs(const TetMesh& mesh, const TriangleMesh& surface, std::span<const Vec3> x,
+                                   bool joins) {
   std::vector<Penetration> found;
   const auto vertices = mesh.boundary_vertices();
   for (Index i = 0; i < std::ssize(vertices); ++i)
@@ -42,14 +90,14 @@ std::vector<Penetration> all_pairs(const TetMesh& mesh, const TriangleMesh& surf
           locate_in_simplex<3>(corners_of(mesh.elements()[e], x), x[vertices[i]]).inside)
         found.push_back({i, e});
   for (Index i = 0; i < surface.edge_count(); ++i) {
-    std::optional<Penetration> best;
+    const auto segment = corners_of(surface.edges()[i], x);
+    std::vector<ElementPart> parts;
     for (Index e = 0; e < mesh.element_count(); ++e) {
       if (share_vertex(surface.edges()[i], mesh.elements()[e]) || is_inverted_at_the_boundary(mesh, e, x)) continue;
-      const auto middle = middle_of_part(corners_of(surface.edges()[i], x), corners_of(mesh.elements()[e], x));
-      if (middle && (!best || std::abs(*middle - 0.5) < std::abs(best->middle - 0.5)))
-        best = {static_cast<Index>(vertices.size()) + i, e, *middle};
+      if (const auto part = part_inside(segment, corners_of(mesh.elements()[e], x))) parts.push_back({e, *part});
     }
-    if (best) found.push_back(*best);
+    const auto best = plain_middle_of_parts(mesh, segment, x, parts, joins);
+    if (best) found.push_back({static_cast<Index>(vertices.size()) + i, best->element, best->place});
   }
   return found;
 }
@@ -96,16 +144,18 @@ class PenetrationSearchOf : public testing::TestWithParam<solids::Family> {};
 
 TEST_P(PenetrationSearchOf, IsThatOfAllPairsInEveryPoseOfEveryMotion) {
   Random random(seed(1));
+  bool joins = true;
   for (const solids::Motion& motion : solids::motions()) {
     SCOPED_TRACE(motion.name);
+    joins = !joins;
     Solid solid = GetParam().make(random);
     const TetMesh mesh = solid.mesh();
     const TriangleMesh surface = surface_of(mesh);
-    PenetrationSearch search(mesh, surface, true, solid.positions);
+    PenetrationSearch search(mesh, surface, true, solid.positions, {}, joins);
     for (std::int64_t step = 0; step < scaled(6); ++step) {
       PenetrationCounters counters;
       search.place(solid.positions);
-      const auto expected = all_pairs(mesh, surface, solid.positions);
+      const auto expected = all_pairs(mesh, surface, solid.positions, joins);
       const auto found = search.find_all(counters);
       expect_same(found, expected);
       const auto interior = search.find_interior();
@@ -206,22 +256,28 @@ TEST(PenetrationSearch, IsTheSameForAnyNumberOfThreads) {
 
 const std::array<Vec3, 4> kCorner{Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
 
-TEST(MiddleOfPart, ByHandInAllOrders) {
+TEST(PartInside, ByHandInAllOrders) {
   const std::array<Vec3, 2> through{Vec3{-1, 0.25, 0.25}, Vec3{1, 0.25, 0.25}};  // inside from x = 0 to x = 0.5
   std::array<int, 4> order{0, 1, 2, 3};
   do {
     std::array<Vec3, 4> corners;
     for (int i = 0; i < 4; ++i) corners[i] = kCorner[order[i]];
-    ASSERT_TRUE(middle_of_part(through, corners));
-    EXPECT_DOUBLE_EQ(*middle_of_part(through, corners), 0.625);
-    EXPECT_DOUBLE_EQ(*middle_of_part({through[1], through[0]}, corners), 0.375);
-    EXPECT_DOUBLE_EQ(*middle_of_part({Vec3{0.1, 0.1, 0.1}, Vec3{0.3, 0.1, 0.1}}, corners), 0.5);
-    EXPECT_FALSE(middle_of_part({Vec3{-1, 1, 1}, Vec3{1, 1, 1}}, corners));
-    EXPECT_FALSE(middle_of_part({Vec3{-2, 0.25, 0.25}, Vec3{-1, 0.25, 0.25}}, corners));
+    const auto part = part_inside(through, corners), back = part_inside({through[1], through[0]}, corners);
+    ASSERT_TRUE(part && back);
+    EXPECT_DOUBLE_EQ(part->first, 0.5);
+    EXPECT_DOUBLE_EQ(part->last, 0.75);
+    EXPECT_DOUBLE_EQ(back->first, 0.25);
+    EXPECT_DOUBLE_EQ(back->last, 0.5);
+    const auto whole = part_inside({Vec3{0.1, 0.1, 0.1}, Vec3{0.3, 0.1, 0.1}}, corners);
+    ASSERT_TRUE(whole);
+    EXPECT_EQ(whole->first, 0);
+    EXPECT_EQ(whole->last, 1);
+    EXPECT_FALSE(part_inside({Vec3{-1, 1, 1}, Vec3{1, 1, 1}}, corners));
+    EXPECT_FALSE(part_inside({Vec3{-2, 0.25, 0.25}, Vec3{-1, 0.25, 0.25}}, corners));
   } while (std::next_permutation(order.begin(), order.end()));
 }
 
-TEST(MiddleOfPart, IsWithinWhatSamplesFindInside) {
+TEST(PartInside, IsWithinWhatSamplesFindInside) {
   Random random(seed(3));
   int inside_count = 0;
   for (std::int64_t n = 0; n < scaled(3000); ++n) {
@@ -236,22 +292,61 @@ TEST(MiddleOfPart, IsWithinWhatSamplesFindInside) {
       first = std::min(first, t);
       last = std::max(last, t);
     }
-    const auto middle = middle_of_part(segment, corners);
+    const auto part = part_inside(segment, corners);
     if (first <= last) {
       ++inside_count;
-      ASSERT_TRUE(middle);
-      EXPECT_NEAR(*middle, (first + last) / 2, 1.0 / kSamples + 1e-12);
-    } else if (middle) {
-      EXPECT_TRUE(locate_in_simplex<3>(corners, segment[0] + *middle * (segment[1] - segment[0])).inside);
+      ASSERT_TRUE(part);
+      EXPECT_NEAR(part->first, first, 1.0 / kSamples + 1e-12);
+      EXPECT_NEAR(part->last, last, 1.0 / kSamples + 1e-12);
+    } else if (part) {
+      EXPECT_TRUE(locate_in_simplex<3>(corners, segment[0] + part->middle() * (segment[1] - segment[0])).inside);
     }
   }
   EXPECT_GT(inside_count, 0);
 }
 
-TEST(MiddleOfPart, FlatTetrahedraHoldNothing) {
+TEST(PartInside, FlatTetrahedraHoldNothing) {
   const std::array<Vec3, 4> flat{Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{1, 1, 0}};
-  EXPECT_FALSE(middle_of_part({Vec3{0.2, 0.2, -1}, Vec3{0.2, 0.2, 1}}, flat));
-  EXPECT_FALSE(middle_of_part({Vec3{0.1, 0.2, 0}, Vec3{0.4, 0.2, 0}}, flat));
+  EXPECT_FALSE(part_inside({Vec3{0.2, 0.2, -1}, Vec3{0.2, 0.2, 1}}, flat));
+  EXPECT_FALSE(part_inside({Vec3{0.1, 0.2, 0}, Vec3{0.4, 0.2, 0}}, flat));
+}
+
+/// The middle of what of a segment is inside a mesh.
+EdgePoint middle_inside(const Solid& solid, const std::array<Vec3, 2>& segment) {
+  const TetMesh mesh = solid.mesh();
+  std::vector<ElementPart> parts;
+  for (Index e = 0; e < mesh.element_count(); ++e)
+    if (const auto part = part_inside(segment, corners_of(mesh.elements()[e], solid.positions)))
+      parts.push_back({e, *part});
+  std::reverse(parts.begin(), parts.end());
+  const EdgePoint middle = middle_of_parts(mesh, solid.positions, segment, parts);
+  EXPECT_TRUE(locate_in_simplex<3>(corners_of(mesh.elements()[middle.element], solid.positions),
+                                   segment[0] + middle.place * (segment[1] - segment[0]))
+                  .inside);
+  return middle;
+}
+
+/// An edge that enters a box from the side a little above its floor, at several places and in several directions: the
+/// middle of what is inside does not depend on how the box is cut into elements.
+TEST(MiddleOfParts, IsThatOfTheWholeBodyHoweverItIsCut) {
+  for (const double cell : {1.0, 0.5, 0.26, 0.1})
+    for (const double height : {0.1, 1e-3, 1e-7})
+      for (const double y : {0.5, 0.31, 0.77}) {
+        const Solid box = solids::of(make_box({1, 1, 1}, cell));
+        const std::array<Vec3, 2> enters{Vec3{-1, y, height}, Vec3{0.6, y + 0.1, height}};
+        EXPECT_NEAR(middle_inside(box, enters).place, (1 / 1.6 + 1) / 2, 1e-9) << cell << height << y;
+        const std::array<Vec3, 2> crosses{Vec3{2, y, height}, Vec3{-0.5, y, height}};
+        EXPECT_NEAR(middle_inside(box, crosses).place, 0.6, 1e-9) << cell << height << y;
+      }
+}
+
+TEST(MiddleOfParts, OfTwoBodiesIsInTheOneCloserToTheMiddle) {
+  Solid left = solids::of(make_box({1, 1, 1}, 0.5)), right = left;
+  for (Vec3& x : right.positions) x[0] += 1;  // they touch, and have no vertex in common
+  const Solid both = solids::together({left, right});
+  const std::array<Vec3, 2> through{Vec3{-1, 0.4, 0.3}, Vec3{4, 0.4, 0.3}};
+  EXPECT_NEAR(middle_inside(both, through).place, 0.5, 1e-9);
+  EXPECT_NEAR(middle_inside(both, {Vec3{-2, 0.4, 0.3}, Vec3{3, 0.4, 0.3}}).place, 0.5, 1e-9);
 }
 
 }  // namespace

@@ -207,5 +207,27 @@ TEST(Contacts, HoldABlockByFriction) {
   EXPECT_LT(slide(0), 1.25);
 }
 
+/// Without friction nothing pushes a block sideways that lies on a level body, however both are cut and turned.
+TEST(Contacts, PushABlockOnALevelBodyNowhere) {
+  for (const DetectionMode mode : {DetectionMode::kDcd, DetectionMode::kHybrid, DetectionMode::kCcd})
+    for (const double cell : {0.1, 0.2})
+      for (const double degrees : {0, 20}) {
+        MeshFile block = make_box({0.4, 0.4, 0.2}, cell);
+        const Eigen::AngleAxisd turn(degrees * M_PI / 180, Vec3::UnitZ());
+        for (Vec3& p : block.positions) p = turn * Vec3(p - Vec3(0.2, 0.2, 0)) + Vec3(0.513, 0.489, 1e-3);
+        const std::array meshes{block, moved(make_box({1, 1, 0.2}, 0.2), {0, 0, -0.2})};
+        Model model = make(meshes, neo_hookean(1e6, 0.3));
+        for (Index v = model.bodies[1].first_vertex; v < model.mesh.vertex_count(); ++v) model.inverse_masses[v] = 0;
+        State state = make_state(model, model.rest_positions);
+        XpbdOptions options;
+        options.static_friction = options.dynamic_friction = 0;
+        options.contact.mode = mode;
+        XpbdSolver solver(model, state, {}, {}, options);
+        for (int i = 0; i < 60; ++i) solver.step(state);
+        const Vec3 velocity = momentum(model, state) / (1000 * 0.4 * 0.4 * 0.2);
+        EXPECT_LT(velocity.norm(), 0.01) << static_cast<int>(mode) << ' ' << cell << ' ' << degrees;
+      }
+}
+
 }  // namespace
 }  // namespace selvage

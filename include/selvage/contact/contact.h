@@ -7,7 +7,7 @@ namespace selvage {
 /// What met what.
 enum class ContactKind : std::uint8_t {
   kVertexPath,    ///< DCD: a vertex inside an element, with its shortest path out
-  kEdgePath,      ///< DCD: the middle of the part of a boundary edge inside an element, with its shortest path out
+  kEdgePath,      ///< DCD: the middle of what of a boundary edge is inside elements, with its shortest path out
   kCentroidPath,  ///< DCD: an element's centroid inside another element, with its shortest path out
   kVertexFace,    ///< CCD: a vertex ran into a face
   kEdgeEdge,      ///< CCD: two edges ran into each other
