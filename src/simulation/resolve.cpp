@@ -23,6 +23,18 @@ constexpr int kYield = 10;
 /// Part by which something must have become less to be progress.
 constexpr double kProgress = 0.01;
 
+/// How often what gets inside again is taken back; by how many halvings of its way each time; and so many are all of
+/// it.
+constexpr int kRetreats = 12, kRetreat = 2, kWholeWay = 4;
+
+/// Lets neighbours differ by one at most.
+void grade(const TetMesh& mesh, std::span<int> halvings) {
+  for (int level = kWholeWay; level > 1; --level)
+    for (const auto& element : mesh.elements())
+      if (std::any_of(element.begin(), element.end(), [&](Index v) { return halvings[v] == level; }))
+        for (const Index v : element) halvings[v] = std::max(halvings[v], level - 1);
+}
+
 void check_options(const TetMesh& mesh, const ResolveOptions& options) {
   const auto demand = [](bool good, std::string_view name, double value, std::string_view range) {
     if (!good) throw Error(name, fmt::format("is {}", value), fmt::format("give a number {}", range));
@@ -61,6 +73,8 @@ class Resolver {
   double total_energy(std::span<const Vec3> positions) const;
   void fill_report(ResolveReport& report) const;
   std::vector<Index> find_tangled_elements() const;
+  std::vector<Index> find_tangled_vertices() const;
+  ResolveIteration retreat(std::span<const Vec3> clean, int iteration);
 
   /// The least of each number, and the most vertices that were awake.
   struct Best {
@@ -111,6 +125,17 @@ bool Resolver::has_spread(const ResolveIteration& now) {
   if (!((1 - kProgress) * awake > best_.awake_vertices)) return false;
   best_.awake_vertices = awake;
   return true;
+}
+
+std::vector<Index> Resolver::find_tangled_vertices() const {
+  std::vector<Index> vertices;
+  for (const Index e : find_tangled_elements())
+    vertices.insert(vertices.end(), mesh_.elements()[e].begin(), mesh_.elements()[e].end());
+  for (const Contact& contact : tangle_.contacts())
+    vertices.insert(vertices.end(), contact.vertices.begin(), contact.vertices.begin() + contact.count);
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
 }
 
 std::vector<Index> Resolver::find_tangled_elements() const {
@@ -191,10 +216,36 @@ ResolveOutcome Resolver::untangle(ResolveReport& report) {
   }
 }
 
-/// Lets the material come to rest, ever closer to the clearance that was asked for. What gets inside again is held,
-/// too. The best of what was clean on the way stays.
+/// Takes what has got inside back towards where all was out, its neighbours less so, and leaves the rest where it has
+/// come to: a few places that are tight would otherwise hold all of the mesh.
+ResolveIteration Resolver::retreat(std::span<const Vec3> clean, int iteration) {
+  ResolveIteration now = measure(iteration);
+  if (now.is_clean()) return now;
+  body_->hold(tangle_.contacts());
+  const std::vector<Vec3> goal = positions_;
+  std::vector<int> halvings(goal.size(), 0);
+  for (int round = 0; round < kRetreats && !now.is_clean(); ++round) {
+    for (const Index v : find_tangled_vertices()) halvings[v] = std::min(halvings[v] + kRetreat, kWholeWay);
+    grade(mesh_, halvings);
+    std::vector<Vec3> between = goal;
+    for (std::size_t v = 0; v < goal.size(); ++v) {
+      if (halvings[v] == 0) continue;
+      const double part = halvings[v] < kWholeWay ? std::ldexp(1, -halvings[v]) : 0;
+      between[v] = clean[v] + part * (goal[v] - clean[v]);
+      // By rounding.
+      if ((between[v] - input_[v]).norm() > options_.max_displacement) between[v] = clean[v];
+    }
+    body_->place(between);
+    now = measure(iteration);
+  }
+  if (!now.is_clean()) body_->place(clean);
+  return now;
+}
+
+/// Lets the material come to rest, ever closer to the clearance that was asked for. What gets inside again is held from
+/// then on. The best of what was clean on the way stays.
 void Resolver::settle(ResolveReport& report) {
-  std::vector<Vec3> best = positions_;
+  std::vector<Vec3> clean = positions_, best = positions_;
   double least = total_energy(positions_);
   if (has_yielded_) {
     body_.emplace(mesh_, positions_, rest_, input_, options_);
@@ -203,11 +254,10 @@ void Resolver::settle(ResolveReport& report) {
   for (int i = 0, waited = 0; i < kSettling && waited < kSettled; ++i, ++waited) {
     body_->shrink_clearance();
     body_->relax();
-    const ResolveIteration now = measure(report.iterations.back().iteration + 1);
+    const ResolveIteration now = retreat(clean, report.iterations.back().iteration + 1);
+    clean = positions_;
     const double energy = total_energy(positions_);
-    if (!now.is_clean()) {
-      body_->hold(tangle_.contacts());
-    } else if (energy < (1 - kProgress) * least) {
+    if (now.is_clean() && energy < (1 - kProgress) * least) {
       report_iteration(report, now);
       best = positions_;
       least = energy;
