@@ -24,6 +24,11 @@ class MeshSolid {
   MeshSolid(const std::string& where, const MeshShape& shape);
 
   std::optional<Hit> find_hit(const Vec3& p) const;
+  std::span<const BvhNode> nodes() const { return bvh_.nodes(); }
+  std::array<Vec3, 3> corners(Index triangle) const {
+    const auto& [a, b, c] = mesh_.triangles()[triangle];
+    return {positions_[a], positions_[b], positions_[c]};
+  }
   const Eigen::AlignedBox3d& bounds() const { return bounds_; }
 
  private:

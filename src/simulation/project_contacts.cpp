@@ -1,6 +1,7 @@
 #include "simulation/project_contacts.h"
 
 #include "selvage/core/parallel.h"
+#include "simulation/passage.h"
 
 #include <algorithm>
 #include <array>
@@ -15,6 +16,10 @@ constexpr std::int64_t kVertexGrain = 1024;
 constexpr std::int64_t kVertexRun = 128;
 /// Part of a vertex's shortest edge that a point inside a body is sent at a time.
 constexpr double kVertexReach = 0.25;
+/// How far a vertex moves at most to close a gap of 1: by no more does one whose contact nothing holds and no vertex
+/// has on both sides, for of weights that sum to 1 the largest is at most (1 + sqrt 3) / 2 times the sum of their
+/// squares.
+constexpr double kFarthest = 1.37;
 
 Eigen::Map<Eigen::Vector3d> position(VertexRow& vertex) {
   return Eigen::Map<Eigen::Vector3d>(vertex.position);
@@ -28,7 +33,8 @@ Eigen::AlignedBox3d box_around(std::span<const VertexRow> vertices) {
 
 /// The vertices of both sides of a contact. Those of one side all count by the mean of their masses, weighed as in the
 /// contact: by their own, a light vertex among heavy ones would be thrown many times as far as the contact is deep, and
-/// its elements turned inside out; this way nothing moves much farther, and momentum is kept all the same.
+/// its elements turned inside out; this way nothing moves much farther, and momentum is kept all the same. Nor does a
+/// vertex that has next to no weight, the others on its side being held: such a contact is closed in part only.
 class ContactSides {
  public:
   ContactSides(const Contact& contact, std::span<VertexRow> vertices) : contact_(contact), vertices_(vertices) {
@@ -40,7 +46,15 @@ class ContactSides {
       masses[side(i)] += std::abs(contact.weights[i]) / inverse_mass;
     }
     for (int s = 0; s < 2; ++s) mobilities_[s] = masses[s] > 0 ? weights[s] / masses[s] : 0;
-    for (int i = 0; i < contact.count; ++i) mobility_ += mobility(i) * contact.weights[i] * contact.weights[i];
+    double farthest = 0;
+    bool is_partly_held = false;
+    for (int i = 0; i < contact.count; ++i) {
+      const double moved = mobility(i) * std::abs(contact.weights[i]);
+      mobility_ += mobility(i) * contact.weights[i] * contact.weights[i];
+      farthest = std::max(farthest, moved);
+      is_partly_held |= mobility(i) != mobilities_[side(i)];
+    }
+    if (is_partly_held) mobility_ = std::max(mobility_, farthest / kFarthest);
   }
 
   bool can_move() const { return mobility_ > 0; }
@@ -90,31 +104,38 @@ void project_contact(const Contact& contact, std::span<const Vec3> start, std::s
   sides.move_apart(out + friction_correction(displacement, contact.normal, depth, friction, grip));
 }
 
-struct Count {
-  std::int64_t value = 0;
-  void add(const Count& other) { value += other.value; }
-};
-
 /// An obstacle and where it is at the ends of a step.
 struct MovingObstacle {
   const Obstacle& obstacle;
   RigidTransform from, to;
   bool is_still = obstacle.motion.keyframes.empty();
 
+  /// @param surface  what starts the step no deeper inside lies on the surface [m]; infinite: all does
   template <typename Solid>
-  bool push_out(const Solid& solid, const Vec3& start, std::int64_t step, ObstacleGrip& grip, VertexRow& vertex) const {
+  ObstacleContacts push_out(const Solid& solid, const Vec3& start, double surface, std::int64_t step,
+                            ObstacleGrip& grip, VertexRow& vertex) const {
     const Vec3 p = is_still ? Vec3(position(vertex)) : to.invert(position(vertex));
-    const std::optional<Hit> hit = find_hit(solid, p);
-    if (!hit) return false;
-    if (grip.step != step) grip = {{}, step};
+    const Vec3 was = from.invert(start);
+    const std::optional<Hit> hit = find_hit_on_way(solid, was, p);
+    if (!hit) return {};
+    ObstacleContacts contacts{1, 0};
+    if (grip.step != step) {
+      grip = {};
+      grip.step = step;
+      const std::optional<Hit> buried = std::isfinite(surface) ? find_hit(solid, was) : std::optional<Hit>();
+      if (buried && buried->depth > surface) {
+        grip.way_out = to.rotation * buried->normal;
+        grip.buried = buried->depth;
+        contacts.buried = 1;
+      }
+    }
     const Vec3 outside = p + hit->depth * hit->normal;
-    const Vec3 slide =
-        friction_correction(outside - from.invert(start), hit->normal, hit->depth, obstacle.friction, grip.grip);
+    const Vec3 slide = friction_correction(outside - was, hit->normal, hit->depth, obstacle.friction, grip.grip);
     // Back from where the slide leaves a hollow wall.
     const Vec3 held = outside + slide;
     const std::optional<Hit> again = find_hit(solid, held);
     position(vertex) = to(again ? Vec3(held + again->depth * again->normal) : held);
-    return true;
+    return contacts;
   }
 };
 
@@ -147,37 +168,47 @@ void push_apart(std::span<const Contact> contacts, const Push& push, std::span<V
   }
 }
 
-std::int64_t project_obstacles(std::span<const Obstacle> obstacles, double from, double to, std::int64_t step,
-                               std::span<const Vec3> start, std::span<ObstacleGrip> grips,
-                               std::span<VertexRow> vertices) {
-  if (obstacles.empty()) return 0;
+ObstacleContacts project_obstacles(std::span<const Obstacle> obstacles, double from, double to, std::int64_t step,
+                                   std::span<const Vec3> start, std::span<const double> reaches,
+                                   std::span<ObstacleGrip> grips, std::span<VertexRow> vertices) {
+  if (obstacles.empty()) return {};
   std::vector<MovingObstacle> moving;
-  for (const Obstacle& obstacle : obstacles)
+  bool any_far_side = false;
+  for (const Obstacle& obstacle : obstacles) {
     moving.push_back({obstacle, obstacle.motion.at(from), obstacle.motion.at(to)});
+    any_far_side |= std::visit([](const auto& s) { return kHasFarSide<std::decay_t<decltype(s)>>; }, obstacle.solid);
+  }
   const std::size_t count = moving.size();
   // To find a box takes half as long as to ask one obstacle of every vertex.
   const bool pays_box = count > 1;
   const std::int64_t run = pays_box ? kVertexRun : std::ssize(start);
-  const auto project = [&](std::int64_t first, std::int64_t last, Count& hits) {
-    Eigen::AlignedBox3d box;
-    if (pays_box) box = box_around(vertices.subspan(first, last - first));
+  const auto surface_of = [&](std::int64_t v) { return reaches.empty() ? HUGE_VAL : kContactGap * reaches[v]; };
+  const auto project = [&](std::int64_t first, std::int64_t last, ObstacleContacts& hits) {
+    Eigen::AlignedBox3d box, ways;
+    const auto place_boxes = [&] {
+      ways = box = box_around(vertices.subspan(first, last - first));
+      if (!any_far_side) return;
+      for (std::int64_t v = first; v < last; ++v) ways.extend(start[v]);
+    };
+    if (pays_box) place_boxes();
     for (std::size_t o = 0; o < count; ++o)
       std::visit(
           [&](const auto& solid) {
-            if (pays_box && moving[o].is_still && is_clear(solid, box)) return;
-            const std::int64_t before = hits.value;
+            constexpr bool kByWays = kHasFarSide<std::decay_t<decltype(solid)>>;
+            if (pays_box && moving[o].is_still && is_clear(solid, kByWays ? ways : box)) return;
+            const std::int64_t before = hits.count;
             for (std::int64_t v = first; v < last; ++v)
               if (vertices[v].inverse_mass > 0)
-                hits.value += moving[o].push_out(solid, start[v], step, grips[v * count + o], vertices[v]);
-            if (pays_box && hits.value > before) box = box_around(vertices.subspan(first, last - first));
+                hits.add(moving[o].push_out(solid, start[v], surface_of(v), step, grips[v * count + o], vertices[v]));
+            if (pays_box && hits.count > before) place_boxes();
           },
           obstacles[o].solid);
   };
-  return parallel_reduce<Count>(std::ssize(start), kVertexGrain,
-                                [&](std::int64_t first, std::int64_t last, Count& hits) {
-                                  for (; first < last; first += run) project(first, std::min(first + run, last), hits);
-                                })
-      .value;
+  return parallel_reduce<ObstacleContacts>(std::ssize(start), kVertexGrain,
+                                           [&](std::int64_t first, std::int64_t last, ObstacleContacts& hits) {
+                                             for (; first < last; first += run)
+                                               project(first, std::min(first + run, last), hits);
+                                           });
 }
 
 }  // namespace selvage

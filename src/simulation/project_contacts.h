@@ -5,6 +5,8 @@
 #include "simulation/material_blocks.h"
 #include "simulation/obstacle.h"
 
+#include <algorithm>
+
 namespace selvage {
 
 /// Part of a reach by which what meets a surface is kept in front of it.
@@ -42,17 +44,34 @@ void push_apart(std::span<const Contact> contacts, const Push& push, std::span<V
 /// that nothing goes through all of these to clear them.
 struct ObstacleGrip {
   Grip grip;
-  std::int64_t step = -1;  ///< see project_obstacles()
+  Vec3 way_out = Vec3::Zero();  ///< unit normal there, where the vertex started the step inside
+  double buried = 0;            ///< how deep it did [m]
+  std::int64_t step = -1;       ///< see project_obstacles()
+
+  /// The part of what it was pushed that only undoes where it started.
+  Vec3 lift() const { return std::min(buried, grip.pressed) * way_out; }
 };
 
-/// Moves vertices out of obstacles, which move from their places at the time `from` to those at the time `to`.
-/// Parallel.
+/// What obstacles did, by vertices and obstacles.
+struct ObstacleContacts {
+  std::int64_t count = 0;   ///< vertices pushed out
+  std::int64_t buried = 0;  ///< of these, first pushed in this step, and inside at its start: see lift()
+
+  void add(const ObstacleContacts& other) {
+    count += other.count;
+    buried += other.buried;
+  }
+};
+
+/// Moves vertices out of obstacles, which move from their places at the time `from` to those at the time `to`, to the
+/// side that they come from: see find_hit_on_way(). Parallel.
 ///
-/// @param step   a number of this step alone, from 0
-/// @param grips  (n_vertices x n_obstacles); updated
-/// @return how many contacts there were
-std::int64_t project_obstacles(std::span<const Obstacle> obstacles, double from, double to, std::int64_t step,
-                               std::span<const Vec3> start, std::span<ObstacleGrip> grips,
-                               std::span<VertexRow> vertices);
+/// @param step     a number of this step alone, from 0
+/// @param reaches  (n_vertices) [m]: what starts the step inside by less than kContactGap of them lies on the surface;
+///                 empty where what starts inside is no matter
+/// @param grips    (n_vertices x n_obstacles); updated
+ObstacleContacts project_obstacles(std::span<const Obstacle> obstacles, double from, double to, std::int64_t step,
+                                   std::span<const Vec3> start, std::span<const double> reaches,
+                                   std::span<ObstacleGrip> grips, std::span<VertexRow> vertices);
 
 }  // namespace selvage

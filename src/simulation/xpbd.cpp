@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 
 namespace selvage {
@@ -73,6 +74,7 @@ struct XpbdSolver::Parts {
   std::vector<double> reaches;               ///< see project_contacts()
   std::vector<Grip> contact_grips;           ///< (n_contacts)
   std::vector<ObstacleGrip> obstacle_grips;  ///< (n_vertices x n_obstacles)
+  ObstacleContacts obstacle_contacts;        ///< of the step
   std::vector<VertexRow> vertices;           ///< as the step moves them
   std::vector<VertexRow> start;              ///< the same at the start of the step, where it is needed
   std::int64_t steps = 0;                    ///< begun by this solver
@@ -92,6 +94,7 @@ struct XpbdSolver::Parts {
     vertices.resize(model.mesh.vertex_count());
     obstacle_grips.resize(vertex_count() * obstacles.size());
     if (material.needs_start()) start = vertices;
+    reaches = reaches_of(model);
     if (options.contact.mode == DetectionMode::kOff) return;
     std::vector<Index> body_of(vertex_count(), kNone);
     for (Index b = 0; b < std::ssize(model.bodies); ++b)
@@ -101,7 +104,6 @@ struct XpbdSolver::Parts {
     contact.wait_for_inverted = contact.mode != DetectionMode::kCcd;
     contact_finder.emplace(model.mesh, model.rest_positions, initial.positions, body_of, contact);
     proposed.resize(vertex_count());
-    reaches = reaches_of(model);
   }
 
   Index vertex_count() const { return model.mesh.vertex_count(); }
@@ -160,9 +162,31 @@ struct XpbdSolver::Parts {
                 "take a smaller time step, softer materials or slower handles");
   }
 
+  /// Whether vertices may be inside obstacles that nothing had to do with before: at first, and when let go. Later
+  /// those are that two obstacles press from one into the other.
+  bool may_start_inside(const State& state, double from) const {
+    const double step = options.time_step;
+    return state.steps == 0 || std::any_of(handles.begin(), handles.end(), [&](const Handle& handle) {
+             const double since = from + kTimeSlack * step - handle.release_time;
+             return since >= 0 && since < step;
+           });
+  }
+
+  /// How far obstacles have moved a vertex for no other reason than that it started the step inside of them. That gives
+  /// it no speed: a body that starts half in the floor would fly off with its depth a step.
+  Vec3 lift_of(Index v) const {
+    Vec3 lift = Vec3::Zero();
+    if (obstacle_contacts.buried == 0) return lift;
+    for (std::size_t o = 0; o < obstacles.size(); ++o) {
+      const ObstacleGrip& grip = obstacle_grips[v * obstacles.size() + o];
+      if (grip.step == steps) lift += grip.lift();
+    }
+    return lift;
+  }
+
   void finish(State& state) const {
     for_each_vertex([&](Index v) {
-      Vec3 velocity = (position(v) - state.positions[v]) / options.time_step;
+      Vec3 velocity = (position(v) - state.positions[v] - lift_of(v)) / options.time_step;
       const double speed = velocity.norm();
       if (speed > options.max_speed) velocity *= options.max_speed / speed;
       state.velocities[v] = velocity;
@@ -186,8 +210,10 @@ struct XpbdSolver::Parts {
     timed(statistics.seconds_projection, [&] {
       project_contacts(contacts, state.positions, reaches, {options.static_friction, options.dynamic_friction},
                        contact_grips, vertices);
-      statistics.collider_contacts +=
-          project_obstacles(obstacles, from, to, steps, state.positions, obstacle_grips, vertices);
+      const auto reach = may_start_inside(state, from) ? std::span<const double>(reaches) : std::span<const double>();
+      obstacle_contacts.add(
+          project_obstacles(obstacles, from, to, steps, state.positions, reach, obstacle_grips, vertices));
+      statistics.collider_contacts = obstacle_contacts.count;
     });
   }
 
@@ -204,6 +230,7 @@ struct XpbdSolver::Parts {
     check_finite(state.steps + 1);
     find_contacts();
     contact_grips.assign(contacts.size(), {});
+    obstacle_contacts = {};
     project(state, from, to);
     for (int iteration = free_iterations; iteration < options.iterations; ++iteration) {
       solve_material(iteration, iteration + 1);

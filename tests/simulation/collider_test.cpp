@@ -164,6 +164,53 @@ TEST(Colliders, TakeAlongWhatTheyCarry) {
   EXPECT_NEAR(momentum(model, state)[0] / 4, 0, 0.02);
 }
 
+/// Thinner than what moves in a step: from the side that it came from nothing gets to the other.
+TEST(Colliders, LetNothingPassThroughThem) {
+  MeshShape plate = cube(1);
+  for (Vec3& p : plate.positions) p = (p - Vec3(0.5, 0.5, 0.5)).cwiseProduct(Vec3(4, 4, 0.02));
+  const std::vector<std::pair<const char*, decltype(Collider::shape)>> shapes{
+      {"mesh", plate}, {"cylinder", CylinderShape{Vec3::Zero(), Vec3::UnitZ(), 3, 0.02}}};
+  for (const double speed : {2.0, 10.0, 60.0})
+    for (const bool moves : {false, true})
+      for (const auto& [name, shape] : shapes) {
+        const Model model = make(moved(make_box({0.2, 0.2, 0.2}, 0.1), {0, 0, 0.1}), neo_hookean(1e5));
+        State state = make_state(model, model.rest_positions);
+        XpbdOptions options = without_contact();
+        options.gravity.setZero();
+        // Either the body comes, or the plate.
+        Motion motion;
+        if (moves) motion.keyframes = {{0, Vec3::Zero()}, {1, speed * Vec3::UnitZ()}};
+        if (!moves) std::fill(state.velocities.begin(), state.velocities.end(), -speed * Vec3::UnitZ());
+        XpbdSolver solver(model, state, {}, {{shape, motion}, {SphereShape{{0, 0, -9}, 1}}}, options);
+        std::int64_t touching = 0;
+        for (int i = 0; i < 60; ++i) {
+          solver.step(state);
+          const double top = motion.at(state.time).translation[2] + 0.01;
+          for (const Vec3& p : state.positions) ASSERT_GE(p[2], top - 1e-9) << name << speed << moves << " step " << i;
+          touching += solver.statistics().collider_contacts;
+        }
+        EXPECT_GT(touching, 0) << name << speed << moves;
+      }
+}
+
+/// A body that starts in the floor is pushed out, and not shot off by its depth a step.
+TEST(Colliders, GiveNoSpeedToWhatStartsInside) {
+  const Model model = make(moved(make_box({0.2, 0.2, 0.2}, 0.05), {0, 0, -0.06}), neo_hookean(1e5));
+  State state = make_state(model, model.rest_positions);
+  XpbdOptions options = without_contact();
+  options.gravity.setZero();
+  options.iterations = 1;
+  const double thrown = 0.06 / options.time_step;
+  XpbdSolver solver(model, state, {}, {{PlaneShape{}}}, options);
+  solver.step(state);
+  for (const Vec3& p : state.positions) EXPECT_GE(p[2], 0);
+  for (const Vec3& v : state.velocities) EXPECT_LT(v.norm(), 1e-9 * thrown);
+  for (int i = 0; i < 100; ++i) {
+    solver.step(state);
+    for (const Vec3& v : state.velocities) ASSERT_LT(v.norm(), 0.5 * thrown);
+  }
+}
+
 TEST(Colliders, PushWhatTheyRunInto) {
   const Model model = make(moved(make_box({0.2, 0.2, 0.2}, 0.1), {0.3, -0.1, 0.1}), neo_hookean(1e5));
   State state = make_state(model, model.rest_positions);

@@ -77,6 +77,17 @@ TEST(Projection, LeavesPinnedVerticesWhereTheyAre) {
   for (int i = 0; i < 4; ++i) EXPECT_EQ(all.moved(i), Vec3::Zero().eval());
 }
 
+/// Where all else is held, a vertex would have to move by the depth over its weight.
+TEST(Projection, ThrowsNoVertexThatHasLittleWeight) {
+  for (const double weight : {0.4, 1e-2, 1e-6, 1e-300}) {
+    Scratch held({0, 0, 0, 1}, {0.5, 0.5 - weight, weight}, 0.1);
+    held.project({1, 1});
+    EXPECT_LE(held.moved(3).norm(), 1.37 * 0.1) << weight;
+    EXPECT_LT(held.moved(3)[2], 0) << weight;
+    EXPECT_GE(held.gap(), -0.1) << weight;
+  }
+}
+
 TEST(Projection, OfTwoLikeBodiesMovesBothAlike) {
   Scratch scratch({1, 1, 1, 1}, {1, 0, 0}, 0.1);
   scratch.project();
