@@ -11,10 +11,6 @@
 #include <thread>
 #include <vector>
 
-#ifdef __SSE2__
-#include <emmintrin.h>
-#endif
-
 namespace selvage {
 namespace detail {
 
@@ -80,8 +76,8 @@ class PhaseCrew {
   /// Others are mostly some microseconds behind; where they are not even running they need the processor.
   static void pause(int spins) {
     if (spins > 1'000) std::this_thread::yield();
-#ifdef __SSE2__
-    _mm_pause();
+#ifdef __x86_64__
+    __builtin_ia32_pause();
 #endif
   }
 
