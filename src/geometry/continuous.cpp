@@ -94,10 +94,9 @@ class TimeHalving {
     return first_in(part);
   }
 
-  bool meets(const TimePart& part) {
-    const Certainty certainty = decide(part);
-    if (certainty != Certainty::kUnknown) return certainty == Certainty::kYes;
-    return meets_exactly(pair_, points_, part.first_step, part.last_step);
+  bool meets(const TimePart& all) {
+    const Certainty certainty = decide(all);
+    return certainty == Certainty::kUnknown ? meets_exactly(pair_, points_) : certainty == Certainty::kYes;
   }
 
  private:
@@ -226,16 +225,12 @@ std::optional<double> first_impact(ContinuousPair pair, const MovingPoints& poin
   if (last_step == 0) return std::nullopt;
   const VolumeOverTime volume = detail::volume_over_time(points);
   TimeHalving halving(pair, points, volume);
-  TimePart part = beginning(whole_time(volume), last_step);
-  auto [certainty, step] = halving.first_meeting(part);
+  auto [certainty, step] = halving.first_meeting(beginning(whole_time(volume), last_step));
   if (certainty == Certainty::kNo) return std::nullopt;
   if (certainty == Certainty::kUnknown) {
-    if (!meets_exactly(pair, points, 0, last_step)) return std::nullopt;
-    while (part.last_step - part.first_step > 1) {
-      const auto [first, second] = halves(part);
-      part = halving.meets(first) ? first : second;
-    }
-    step = part.first_step;
+    const std::optional<int> exactly = first_step_exactly(pair, points, last_step);
+    if (!exactly) return std::nullopt;
+    step = *exactly;
   }
   const double time = static_cast<double>(step) / kTimeSteps;
   return time < before ? std::optional(time) : std::nullopt;

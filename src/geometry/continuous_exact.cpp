@@ -22,9 +22,11 @@ using MovingPoint = std::array<Cubic, 3>;
 /// the first that is not zero throughout decides.
 class SignConditions {
  public:
-  SignConditions(ContinuousPair pair, const MovingPoints& points, int first_step, int last_step);
+  SignConditions(ContinuousPair pair, const MovingPoints& points, int last_step);
 
   bool ever_hold() const;
+  /// The first of so many equal steps, a power of two of them, in which they hold, ends included.
+  std::optional<int> first_step_of(int count) const;
 
  private:
   static constexpr int kPoints = 4;
@@ -48,12 +50,17 @@ class SignConditions {
   bool shadows_meet(const std::array<int, kTriples>& areas) const;
   template <class SignAt>
   bool intervals_meet(SignAt&& sign_at) const;
-  template <std::size_t N>
-  bool hold_at_roots_of(const std::array<Cubic, N>& group) const;
+  /// Calls `visit(root)` for the roots inside (0, 1) of what decides, until it returns true.
+  /// @return whether it did
+  template <class Visit>
+  bool visit_roots(Visit&& visit) const;
+  bool holds_at(RealRoot& root) const {
+    return hold([&root](const Cubic& c) { return root.sign_of_value(c); });
+  }
 };
 
-/// The points' coordinates from the first step to the last as lines over [0, 1], all times one power of two.
-std::array<MovingPoint, 4> integer_motion(const MovingPoints& points, int first_step, int last_step) {
+/// The points' coordinates from 0 to the last step as lines over [0, 1], all times one power of two.
+std::array<MovingPoint, 4> integer_motion(const MovingPoints& points, int last_step) {
   std::array<double, 24> values;
   for (int i = 0; i < 4; ++i)
     for (int k = 0; k < 3; ++k) {
@@ -62,11 +69,11 @@ std::array<MovingPoint, 4> integer_motion(const MovingPoints& points, int first_
     }
   std::array<ExactInt, 24> x;
   to_common_integers(values, x);
-  const auto at_step = [&](int i, int step) { return x[i] * (kTimeSteps - step) + x[12 + i] * step; };
-  const bool whole = first_step == 0 && last_step == kTimeSteps;
+  const bool whole = last_step == kTimeSteps;
   std::array<MovingPoint, 4> motion;
   for (int i = 0; i < 12; ++i)
-    motion[i / 3][i % 3] = whole ? Cubic(x[i], x[12 + i]) : Cubic(at_step(i, first_step), at_step(i, last_step));
+    motion[i / 3][i % 3] = whole ? Cubic(x[i], x[12 + i])
+                                 : Cubic(x[i] * kTimeSteps, x[i] * (kTimeSteps - last_step) + x[12 + i] * last_step);
   return motion;
 }
 
@@ -75,8 +82,8 @@ Cubic shadow_area(const MovingPoint& p, const MovingPoint& q, const MovingPoint&
   return (q[x] - p[x]) * (r[y] - p[y]) - (q[y] - p[y]) * (r[x] - p[x]);
 }
 
-SignConditions::SignConditions(ContinuousPair pair, const MovingPoints& points, int first_step, int last_step)
-    : pair_(pair), points_(integer_motion(points, first_step, last_step)) {
+SignConditions::SignConditions(ContinuousPair pair, const MovingPoints& points, int last_step)
+    : pair_(pair), points_(integer_motion(points, last_step)) {
   for (int axis = 0; axis < 3; ++axis)
     volume_ = volume_ + shadow_area(points_[1], points_[2], points_[3], axis) * (points_[1][axis] - points_[0][axis]);
 }
@@ -139,34 +146,53 @@ bool SignConditions::hold(SignAt&& sign_at) const {
   return intervals_meet(sign_at);
 }
 
-template <std::size_t N>
-bool SignConditions::hold_at_roots_of(const std::array<Cubic, N>& group) const {
-  for (const Cubic& polynomial : group) {
-    if (polynomial.is_zero()) continue;
-    for (RealRoot& root : roots_inside_unit_interval(polynomial))
-      if (hold([&root](const Cubic& c) { return root.sign_of_value(c); })) return true;
-  }
+template <class Visit>
+bool SignConditions::visit_roots(Visit&& visit) const {
+  const auto visit_group = [&visit](const auto& group) {
+    for (const Cubic& polynomial : group) {
+      if (polynomial.is_zero()) continue;
+      for (RealRoot& root : roots_inside_unit_interval(polynomial))
+        if (visit(root)) return true;
+    }
+    return false;
+  };
+  const auto is_zero = [](const auto& group) {
+    return std::all_of(group.begin(), group.end(), [](const Cubic& c) { return c.is_zero(); });
+  };
+  if (!volume_.is_zero()) return visit_group(std::array{volume_});
+  for (int axis = 0; axis < 3; ++axis)
+    if (const Areas group = areas_along(axis); !is_zero(group)) return visit_group(group);
+  for (int axis = 0; axis < 3; ++axis)
+    if (const Distances group = distances_along(axis); !is_zero(group)) return visit_group(group);
   return false;
 }
 
 bool SignConditions::ever_hold() const {
   if (hold([](const Cubic& c) { return c.sign_at_0(); })) return true;
   if (hold([](const Cubic& c) { return c.sign_at_1(); })) return true;
-  const auto is_zero = [](const auto& group) {
-    return std::all_of(group.begin(), group.end(), [](const Cubic& c) { return c.is_zero(); });
-  };
-  if (!volume_.is_zero()) return hold_at_roots_of(std::array{volume_});
-  for (int axis = 0; axis < 3; ++axis)
-    if (const Areas group = areas_along(axis); !is_zero(group)) return hold_at_roots_of(group);
-  for (int axis = 0; axis < 3; ++axis)
-    if (const Distances group = distances_along(axis); !is_zero(group)) return hold_at_roots_of(group);
-  return false;
+  return visit_roots([this](RealRoot& root) { return holds_at(root); });
+}
+
+std::optional<int> SignConditions::first_step_of(int count) const {
+  if (hold([](const Cubic& c) { return c.sign_at_0(); })) return 0;
+  int first = count;
+  visit_roots([&](RealRoot& root) {
+    if (const int step = root.first_step_of(count); step < first && holds_at(root)) first = step;
+    return false;
+  });
+  if (first < count) return first;
+  if (hold([](const Cubic& c) { return c.sign_at_1(); })) return count - 1;
+  return std::nullopt;
 }
 
 }  // namespace
 
-bool meets_exactly(ContinuousPair pair, const MovingPoints& points, int first_step, int last_step) {
-  return SignConditions(pair, points, first_step, last_step).ever_hold();
+bool meets_exactly(ContinuousPair pair, const MovingPoints& points, int last_step) {
+  return SignConditions(pair, points, last_step).ever_hold();
+}
+
+std::optional<int> first_step_exactly(ContinuousPair pair, const MovingPoints& points, int last_step) {
+  return SignConditions(pair, points, last_step).first_step_of(last_step);
 }
 
 }  // namespace selvage

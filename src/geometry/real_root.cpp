@@ -1,5 +1,6 @@
 #include "geometry/real_root.h"
 
+#include <bit>
 #include <utility>
 
 namespace selvage {
@@ -160,6 +161,17 @@ int RealRoot::sign_of_value(const Cubic& polynomial) {
     if (i == kHalvings && is_root_of(polynomial)) return 0;
     if (!is_exact_) halve_interval();
   }
+}
+
+int RealRoot::first_step_of(int count) {
+  const auto log = static_cast<unsigned>(std::countr_zero(static_cast<unsigned>(count)));
+  while (!is_exact_ && k_ < log) halve_interval();
+  // What is exactly at the end of a step is in the one before the next.
+  ExactInt step = n_;
+  if (k_ < log) step <<= log - k_;
+  if (is_exact_) step -= 1;
+  if (k_ > log) step >>= k_ - log;
+  return static_cast<int>(step);
 }
 
 std::vector<RealRoot> roots_inside_unit_interval(const Cubic& polynomial) {

@@ -41,6 +41,9 @@ class RealRoot {
   /// The sign of a polynomial at the root.
   int sign_of_value(const Cubic& polynomial);
 
+  /// The first of so many equal steps of [0, 1], a power of two of them, that holds the root, ends included.
+  int first_step_of(int count);
+
  private:
   friend std::vector<RealRoot> roots_inside_unit_interval(const Cubic& polynomial);
 

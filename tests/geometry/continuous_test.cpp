@@ -265,6 +265,37 @@ TEST(EdgeEdge, StagesAgree) {
   compare_stages(kEdgeEdge, 9, scaled(12'000));
 }
 
+/// The first step is the one up to whose end they meet, while up to its start they do not.
+void compare_first_step_with_halving(ContinuousPair pair, std::uint64_t seed, std::int64_t count) {
+  RandomSource random(seed);
+  std::int64_t later = 0;
+  for (std::int64_t n = 0; n < count; ++n) {
+    const MovingPoints points =
+        n % 3 == 0 ? random_doubles(random, pair, 1) : to_points(random_motion(random, pair, kind_of(n)), 1);
+    const int last_step = 1 << random.integer(0, 20);
+    const auto found = first_step_exactly(pair, points, last_step);
+    ASSERT_EQ(found.has_value(), meets_exactly(pair, points, last_step)) << "input " << n;
+    if (!found) continue;
+    int apart_until = -1, met_until = last_step - 1;
+    while (met_until - apart_until > 1) {
+      const int middle = (apart_until + met_until) / 2;
+      (meets_exactly(pair, points, middle + 1) ? met_until : apart_until) = middle;
+    }
+    ASSERT_EQ(*found, met_until) << "input " << n;
+    later += *found > 0;
+  }
+  if (count >= 300) {
+    EXPECT_GT(later, count / 100);
+  }
+}
+
+TEST(VertexFace, FirstStepIsFoundByHalving) {
+  compare_first_step_with_halving(kVertexFace, 14, scaled(1'500));
+}
+TEST(EdgeEdge, FirstStepIsFoundByHalving) {
+  compare_first_step_with_halving(kEdgeEdge, 15, scaled(1'500));
+}
+
 /// All orders of a face's vertices; both orders of each edge's ends and of the edges; both directions of time.
 void compare_orders(ContinuousPair pair, std::uint64_t seed, std::int64_t count) {
   RandomSource random(seed);
@@ -332,7 +363,7 @@ void compare_impact_with_definition(ContinuousPair pair, std::uint64_t seed, std
   }
   if (count >= 300) {
     EXPECT_GT(met, count / 5);
-    EXPECT_GT(later, count / 20);
+    EXPECT_GT(later, count / 100);
   }
 }
 
