@@ -68,7 +68,10 @@ class PhaseCrew {
       if (seen.phase > number) return kNone;
       next = seen.phase == number ? seen : Taken{number, 0, 0};
       if (static_cast<Index>(next.front + next.back) >= last - first) return kNone;
-      from_front ? ++next.front : ++next.back;
+      if (from_front)
+        ++next.front;
+      else
+        ++next.back;
     } while (!taken.compare_exchange_weak(seen, next, std::memory_order_relaxed));
     return from_front ? first + static_cast<Index>(next.front) - 1 : last - static_cast<Index>(next.back);
   }
