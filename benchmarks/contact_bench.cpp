@@ -11,8 +11,10 @@
 
 // Time of one call on inputs that stay in the cache. Triangles: `apart` lies on one side of the other's plane, `beside`
 // needs the second stage, `crossing` is a yes, `flat` lies in one plane. Moving sets: `apart` is parted by an axis,
-// `above` by the volume that is never zero, `beside` and `through` are decided by halving time, `touching` needs the
-// exact stage.
+// `above` by the volume that is never zero, `beside` and `through` are decided by halving time, `touching` and what
+// rests on something need the exact stage: there the sets are on a lattice, a vertex over a vertex or the middle or end
+// of an edge of the face, an edge along an edge. They coincide, or do up to rounding, and then move together, or
+// one by one as well, by 2^-12 of their size.
 namespace {
 
 using selvage::MovingPoints;
@@ -109,6 +111,48 @@ void run_vertex_face_impact(benchmark::State& state, const Vec3& start, const Ve
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(kCount));
 }
 
+enum class Resting { kExactly, kNearly, kNearlyAndLoose };
+
+/// Points of a lattice in the plane z = 0.3.
+std::vector<MovingPoints> resting_points(const std::array<Vec3, 4>& shape, int first_count, Resting kind) {
+  RandomPoints source;
+  constexpr double kCell = 0.05, kReach = 0x1p-12 * kCell;
+  std::vector<MovingPoints> all(kCount);
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    const Vec3 velocity = source.point(kReach);
+    const auto shift = static_cast<double>(n % 3);
+    for (int i = 0; i < 4; ++i) {
+      Vec3 p = (shape[i] + (i < first_count ? Vec3{shift, 0, 0} : Vec3{0, 0, 0})) * kCell + Vec3{0, 0, 0.3};
+      if (kind != Resting::kExactly) p += source.point(0x1p-54);
+      all[n].t0[i] = p;
+      all[n].t1[i] = p + (i < first_count ? velocity : Vec3{0, 0, 0});
+      if (kind == Resting::kNearlyAndLoose) all[n].t1[i] += source.point(0.1 * kReach);
+    }
+  }
+  return all;
+}
+
+const std::array<Vec3, 4> kVertexOnFace{Vec3{0, 0, 0}, Vec3{0, 0, 0}, Vec3{2, 0, 0}, Vec3{0, 2, 0}};
+const std::array<Vec3, 4> kEdgeOnEdge{Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{1, 0, 0}, Vec3{2, 0, 0}};
+
+void run_vertex_rests(benchmark::State& state, Resting kind) {
+  const std::vector<MovingPoints> all = resting_points(kVertexOnFace, 1, kind);
+  std::int64_t met = 0;
+  for (auto _ : state)
+    for (const MovingPoints& points : all) met += selvage::vertex_meets_face(points);
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(kCount));
+  state.counters["met"] = static_cast<double>(met) / static_cast<double>(state.iterations() * kCount);
+}
+
+void run_edge_rests(benchmark::State& state, Resting kind) {
+  const std::vector<MovingPoints> all = resting_points(kEdgeOnEdge, 2, kind);
+  std::int64_t met = 0;
+  for (auto _ : state)
+    for (const MovingPoints& points : all) met += selvage::edge_meets_edge(points);
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(kCount));
+  state.counters["met"] = static_cast<double>(met) / static_cast<double>(state.iterations() * kCount);
+}
+
 const std::array<Vec3, 3> kUpright{Vec3{0, 0, -1}, Vec3{0, 0, 1}, Vec3{1, 0, 0}};
 const std::array<Vec3, 3> kAbove{Vec3{0, 0, 0.2}, Vec3{1, 0, 0.2}, Vec3{0, 1, 1}};
 const std::array<Vec3, 3> kBeside{Vec3{1, 1, -1}, Vec3{1, 1, 1}, Vec3{2, 1, 0}};
@@ -133,5 +177,11 @@ BENCHMARK_CAPTURE(run_edge_edge, above, Vec3{0, 0, 0.2}, Vec3{0, 0, 0.2}, 0.08);
 BENCHMARK_CAPTURE(run_edge_edge, beside, Vec3{0.8, 1.2, 0.5}, Vec3{0.8, 1.2, -0.5}, 0.05);
 BENCHMARK_CAPTURE(run_edge_edge, through, Vec3{0, 0, 1}, Vec3{0, 0, -1}, 0.05);
 BENCHMARK_CAPTURE(run_edge_edge, random, Vec3{0, 0, 0.5}, Vec3{0, 0, -0.5}, 1);
+BENCHMARK_CAPTURE(run_vertex_rests, exactly, Resting::kExactly);
+BENCHMARK_CAPTURE(run_vertex_rests, nearly, Resting::kNearly);
+BENCHMARK_CAPTURE(run_vertex_rests, nearly_and_loose, Resting::kNearlyAndLoose);
+BENCHMARK_CAPTURE(run_edge_rests, exactly, Resting::kExactly);
+BENCHMARK_CAPTURE(run_edge_rests, nearly, Resting::kNearly);
+BENCHMARK_CAPTURE(run_edge_rests, nearly_and_loose, Resting::kNearlyAndLoose);
 
 }  // namespace

@@ -81,7 +81,7 @@ class TimeHalving {
 
   Certainty decide(const TimePart& part) {
     parts_left_ = kMostParts;
-    return decide_part(part);
+    return is_doubtful_at_start(part) ? Certainty::kUnknown : decide_part(part);
   }
 
   /// Whether the sets meet, and in which step first.
@@ -91,7 +91,7 @@ class TimeHalving {
   };
   FirstMeeting first_meeting(const TimePart& part) {
     parts_left_ = kMostParts;
-    return first_in(part);
+    return is_doubtful_at_start(part) ? FirstMeeting{Certainty::kUnknown, 0} : first_in(part);
   }
 
   bool meets(const TimePart& all) {
@@ -165,6 +165,11 @@ class TimeHalving {
     return shadows == Certainty::kYes && start * end < 0 ? Certainty::kYes : Certainty::kUnknown;
   }
 
+  /// As are pairs of bodies that lie on each other: whatever part begins then is doubtful, too, however small.
+  bool is_doubtful_at_start(const TimePart& part) const {
+    return decide_at_once(beginning(part, part.first_step + 1)) == Certainty::kUnknown;
+  }
+
   bool is_of_sign(int sign, const TimePart& part) const {
     return std::all_of(part.volume.begin(), part.volume.end(), [&](double v) { return sign_of_volume(v) == sign; });
   }
@@ -228,9 +233,8 @@ std::optional<double> first_impact(ContinuousPair pair, const MovingPoints& poin
   auto [certainty, step] = halving.first_meeting(beginning(whole_time(volume), last_step));
   if (certainty == Certainty::kNo) return std::nullopt;
   if (certainty == Certainty::kUnknown) {
-    const std::optional<int> exactly = first_step_exactly(pair, points, last_step);
-    if (!exactly) return std::nullopt;
-    step = *exactly;
+    step = first_step_exactly(pair, points, last_step);
+    if (step == last_step) return std::nullopt;
   }
   const double time = static_cast<double>(step) / kTimeSteps;
   return time < before ? std::optional(time) : std::nullopt;
