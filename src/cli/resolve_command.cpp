@@ -30,7 +30,7 @@ constexpr const char* kResolveExample =
     "Vertices far from any tangle keep their coordinates. Where the mesh cannot be resolved the exit status is 3, and "
     "no mesh is written; the report lists the elements that are in the way. See docs/resolve.md.";
 
-constexpr int kListedElements = 8;
+constexpr std::size_t kListed = 8;
 
 MeshFile read_solid(const std::string& path) {
   MeshFile mesh = read_mesh(path);
@@ -64,6 +64,8 @@ std::string_view name_of(ResolveOutcome outcome) {
       return "resolved";
     case ResolveOutcome::kStuck:
       return "stuck";
+    case ResolveOutcome::kHeld:
+      return "held";
     default:
       return "gave up";
   }
@@ -100,7 +102,8 @@ nlohmann::ordered_json json_of(const ResolveCommandOptions& options, const Resol
       {"volume", {{"before", report.volume_before}, {"after", report.volume_after}}},
       {"elastic_energy", {{"before", report.elastic_energy_before}, {"after", report.elastic_energy_after}}},
       {"pinned_vertices", options.limits.pinned.size()},
-      {"tangled_elements", report.tangled_elements}};
+      {"tangled_elements", report.tangled_elements},
+      {"holding_vertices", report.holding_vertices}};
   for (const ResolveIteration& row : report.iterations) json["iterations"].push_back(json_of(row));
   for (const auto& [phase, seconds] : watch.laps()) json["seconds"][phase] = seconds;
   return json;
@@ -136,15 +139,27 @@ void print_summary(const ResolveCommandOptions& options, const ResolveReport& re
   table.print();
 }
 
+/// The first of them.
+std::string listed(std::span<const Index> numbers) {
+  const auto shown = numbers.first(std::min(numbers.size(), kListed));
+  return fmt::format("{}{}", fmt::join(shown, " "), shown.size() < numbers.size() ? " ..." : "");
+}
+
 /// One line that says what is in the way.
 std::string failure_of(const ResolveCommandOptions& options, const ResolveReport& report) {
-  const auto& elements = report.tangled_elements;
-  const auto shown = std::span(elements).first(std::min<std::size_t>(elements.size(), kListedElements));
+  const auto &elements = report.tangled_elements, &pinned = report.holding_vertices;
+  if (report.outcome == ResolveOutcome::kHeld)
+    return fmt::format(
+        "{}: cannot be resolved with these pins: what they hold meets itself, or is inverted, at {} elements: {}; pin "
+        "less",
+        options.mesh, elements.size(), listed(elements));
   const ResolveIteration& last = report.iterations.back();
-  return fmt::format("{}: {} after {} iterations, with {} pairs of triangles and {} left; {} elements in the way: {}{}",
+  const std::string pins =
+      pinned.empty() ? "" : fmt::format("; {} pinned vertices are in it: {}", pinned.size(), listed(pinned));
+  return fmt::format("{}: {} after {} {}, with {} pairs of triangles and {} left; {} elements in the way: {}{}",
                      options.mesh, report.outcome == ResolveOutcome::kStuck ? "is stuck" : "is not resolved",
-                     last.iteration, last.triangle_pairs, penetrations(last), elements.size(), fmt::join(shown, " "),
-                     shown.size() < elements.size() ? " ..." : "");
+                     last.iteration, last.iteration == 1 ? "iteration" : "iterations", last.triangle_pairs,
+                     penetrations(last), elements.size(), listed(elements), pins);
 }
 
 ResolveReport resolve(ResolveCommandOptions& options, MeshFile& mesh) {

@@ -129,12 +129,14 @@ void Relaxation::wake_neighbours() {
 
 /// Contacts after the material, so that these have the last word.
 void Relaxation::relax() {
-  std::vector<Contact> contacts;
-  for (const HeldContact& held : held_) contacts.push_back(held.contact);
-  contacts = find_agreeing_contacts(mesh_, contacts);
+  std::vector<Contact> held;
+  for (const HeldContact& h : held_) held.push_back(h.contact);
+  const auto now = std::find_if(held_.begin(), held_.end(), [](const HeldContact& h) { return h.age == 0; });
+  const AgreeingContacts agreeing = find_agreeing_contacts(mesh_, positions_, held, now - held_.begin());
+  drawn_vertices_ = agreeing.drawn_vertices;
   for (int pass = 0; pass < kPasses; ++pass) {
     for (int i = 0; i < kMaterialPasses; ++i) material_.solve(vertices_, {}, 0, 1);
-    push_apart(contacts, push_, vertices_);
+    push_apart(agreeing.contacts, push_, vertices_);
     limit_displacements();
   }
   std::vector<Vec3> moved = positions_;

@@ -20,6 +20,8 @@ class Relaxation {
   /// Elements that are inside out or flat now, ascending.
   std::span<const Index> inverted() const { return inverted_; }
   std::int64_t count_awake() const;
+  /// Of ends that had to be drawn through a crossing when last relaxed: see find_agreeing_contacts().
+  std::int64_t drawn_vertices() const { return drawn_vertices_; }
 
   /// Takes over contacts, sorted by point; of points that have none, those of the last iterations. Their vertices
   /// wake, and those of inverted elements.
@@ -65,7 +67,8 @@ class Relaxation {
   std::vector<VertexRow> vertices_;  ///< those asleep have no inverse mass
   std::vector<std::uint8_t> is_free_, is_awake_;
   std::vector<Index> inverted_;
-  std::vector<HeldContact> held_;
+  std::vector<HeldContact> held_;  ///< oldest first
+  std::int64_t drawn_vertices_ = 0;
 };
 
 }  // namespace selvage

@@ -2,6 +2,7 @@
 
 #include "selvage/core/error.h"
 #include "simulation/find_inverted.h"
+#include "simulation/held_elements.h"
 #include "simulation/relaxation.h"
 #include "simulation/shape_energy.h"
 #include "simulation/tangle_finder.h"
@@ -26,6 +27,11 @@ constexpr double kProgress = 0.01;
 /// How often what gets inside again is taken back; by how many halvings of its way each time; and so many are all of
 /// it.
 constexpr int kRetreats = 12, kRetreat = 2, kWholeWay = 4;
+
+void make_set(std::vector<Index>& list) {
+  std::sort(list.begin(), list.end());
+  list.erase(std::unique(list.begin(), list.end()), list.end());
+}
 
 /// Lets neighbours differ by one at most.
 void grade(const TetMesh& mesh, std::span<int> halvings) {
@@ -72,6 +78,8 @@ class Resolver {
   bool has_spread(const ResolveIteration& now);
   double total_energy(std::span<const Vec3> positions) const;
   void fill_report(ResolveReport& report) const;
+  void fill_tangle(ResolveReport& report) const;
+  std::vector<Index> vertices_of(std::span<const Index> elements) const;
   std::vector<Index> find_tangled_elements() const;
   std::vector<Index> find_tangled_vertices() const;
   ResolveIteration retreat(std::span<const Vec3> clean, int iteration);
@@ -79,7 +87,7 @@ class Resolver {
   /// The least of each number, and the most vertices that were awake.
   struct Best {
     double triangle_pairs = HUGE_VAL, penetrating_vertices = HUGE_VAL, total_depth = HUGE_VAL;
-    double inverted_elements = HUGE_VAL;
+    double inverted_elements = HUGE_VAL, drawn_vertices = HUGE_VAL;
     double awake_vertices = 0;
   };
 
@@ -89,6 +97,7 @@ class Resolver {
   const std::vector<Vec3> input_, rest_;
   std::optional<Relaxation> body_;
   TangleFinder tangle_;
+  std::vector<Index> held_;
   bool has_yielded_ = false;
   Best best_;
 };
@@ -113,6 +122,8 @@ bool Resolver::has_improved(const ResolveIteration& now) {
   };
   compare(best_.triangle_pairs, now.triangle_pairs);
   compare(best_.inverted_elements, now.inverted_elements);
+  // For as long as an end is drawn through a crossing, nothing else may change.
+  if (body_->drawn_vertices() > 0) compare(best_.drawn_vertices, body_->drawn_vertices());
   if (now.waiting_points > 0) return improved;
   compare(best_.penetrating_vertices, now.penetrating_vertices);
   compare(best_.total_depth, now.total_depth);
@@ -128,21 +139,25 @@ bool Resolver::has_spread(const ResolveIteration& now) {
 }
 
 std::vector<Index> Resolver::find_tangled_vertices() const {
-  std::vector<Index> vertices;
-  for (const Index e : find_tangled_elements())
-    vertices.insert(vertices.end(), mesh_.elements()[e].begin(), mesh_.elements()[e].end());
+  std::vector<Index> vertices = vertices_of(find_tangled_elements());
   for (const Contact& contact : tangle_.contacts())
     vertices.insert(vertices.end(), contact.vertices.begin(), contact.vertices.begin() + contact.count);
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  make_set(vertices);
+  return vertices;
+}
+
+std::vector<Index> Resolver::vertices_of(std::span<const Index> elements) const {
+  std::vector<Index> vertices;
+  for (const Index e : elements)
+    vertices.insert(vertices.end(), mesh_.elements()[e].begin(), mesh_.elements()[e].end());
+  make_set(vertices);
   return vertices;
 }
 
 std::vector<Index> Resolver::find_tangled_elements() const {
   std::vector<Index> elements = tangle_.find_elements();
   elements.insert(elements.end(), body_->inverted().begin(), body_->inverted().end());
-  std::sort(elements.begin(), elements.end());
-  elements.erase(std::unique(elements.begin(), elements.end()), elements.end());
+  make_set(elements);
   return elements;
 }
 
@@ -168,7 +183,22 @@ void Resolver::fill_report(ResolveReport& report) const {
   }
   report.elastic_energy_before = total_energy(input_);
   report.elastic_energy_after = total_energy(positions_);
-  if (report.outcome != ResolveOutcome::kResolved) report.tangled_elements = find_tangled_elements();
+}
+
+/// What is in the way, and which of it must not move.
+void Resolver::fill_tangle(ResolveReport& report) const {
+  std::vector<Index> vertices;
+  if (report.outcome == ResolveOutcome::kHeld) {
+    report.tangled_elements = held_;
+    vertices = vertices_of(held_);
+  } else {
+    report.tangled_elements = find_tangled_elements();
+    vertices = find_tangled_vertices();
+  }
+  std::vector<Index> pinned = options_.pinned;
+  make_set(pinned);
+  std::set_intersection(vertices.begin(), vertices.end(), pinned.begin(), pinned.end(),
+                        std::back_inserter(report.holding_vertices));
 }
 
 void Resolver::report_iteration(ResolveReport& report, const ResolveIteration& now) const {
@@ -197,6 +227,8 @@ ResolveOutcome Resolver::untangle(ResolveReport& report) {
     const ResolveIteration now = measure(iteration);
     report_iteration(report, now);
     if (now.is_clean()) return ResolveOutcome::kResolved;
+    if (iteration == 0) held_ = find_held_elements(mesh_, positions_, options_.pinned);
+    if (!held_.empty()) return ResolveOutcome::kHeld;
     if (has_improved(now)) last_better = last_progress = iteration;
     if (has_spread(now)) last_progress = iteration;
     if (iteration >= options_.max_iterations) return ResolveOutcome::kGaveUp;
@@ -273,6 +305,7 @@ ResolveReport Resolver::run() {
   report.outcome = untangle(report);
   if (report.outcome == ResolveOutcome::kResolved && report.iterations.size() > 1) settle(report);
   fill_report(report);
+  if (report.outcome != ResolveOutcome::kResolved) fill_tangle(report);
   return report;
 }
 

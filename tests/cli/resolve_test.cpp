@@ -54,15 +54,32 @@ TEST_F(Resolve, LeavesAnUntangledMeshAsItIs) {
 
 TEST_F(Resolve, SaysWhatIsStuckAndWritesNoMesh) {
   run_well("make box --cell 0.25 --pose overlap,dx=0.8 -o tangled.vtu -q");
-  expect_refused("resolve tangled.vtu -o out.vtu --pin-box -9 -9 -9 9 9 9 --patience 3 --json report.json", 3,
-                 {"tangled.vtu: is stuck after 3 iterations", "pairs of triangles", "elements in the way"});
+  expect_refused(
+      "resolve tangled.vtu -o out.vtu --max-displacement 1e-6 --pin-box 0.7 -9 -9 0.79 9 9 --patience 3 "
+      "--json report.json",
+      3,
+      {"tangled.vtu: is stuck after ", " iterations, with ", "pairs of triangles", "elements in the way",
+       " pinned vertices are in it: "});
   EXPECT_EQ(files(), (std::vector<std::string>{"report.json", "tangled.vtu"}));
   const auto report = nlohmann::json::parse(read_text(file("report.json")));
   EXPECT_EQ(report["outcome"], "stuck");
   EXPECT_FALSE(report["tangled_elements"].empty());
-  EXPECT_EQ(report["displacement"]["moved_vertices"], 0);
+  EXPECT_FALSE(report["holding_vertices"].empty());
   expect_refused("resolve tangled.vtu -o out.vtu --max-displacement 0.001 --patience 3", 3, {"is stuck"});
-  expect_refused("resolve tangled.vtu -o out.vtu --iterations 1", 3, {"is not resolved after 1 iterations"});
+  expect_refused("resolve tangled.vtu -o out.vtu --iterations 1", 3, {"is not resolved after 1 iteration,"});
+}
+
+TEST_F(Resolve, SaysAtOnceWhatPinsHold) {
+  run_well("make box --cell 0.25 --pose overlap,dx=0.8 -o tangled.vtu -q");
+  expect_refused("resolve tangled.vtu -o out.vtu --pin-box -9 -9 -9 9 9 9 --json report.json", 3,
+                 {"tangled.vtu: cannot be resolved with these pins", " elements: ", "; pin less"});
+  EXPECT_EQ(files(), (std::vector<std::string>{"report.json", "tangled.vtu"}));
+  const auto report = nlohmann::json::parse(read_text(file("report.json")));
+  EXPECT_EQ(report["outcome"], "held");
+  EXPECT_EQ(report["iterations"].size(), 1u);
+  EXPECT_FALSE(report["tangled_elements"].empty());
+  EXPECT_FALSE(report["holding_vertices"].empty());
+  EXPECT_EQ(report["displacement"]["moved_vertices"], 0);
 }
 
 TEST_F(Resolve, PinsWhatAFileLists) {

@@ -10,6 +10,8 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <set>
+
 namespace selvage {
 namespace {
 
@@ -148,6 +150,44 @@ TEST(Resolve, OpensARingOfThinElements) {
   EXPECT_GT(r.report.iterations.front().penetrating_vertices, 0);
   expect_resolved(r);
   expect_volume_kept(r, 0.05);
+}
+
+MeshFile placed(MeshFile mesh, const Eigen::AngleAxisd& rotation, const Vec3& offset) {
+  Vec3 centre = Vec3::Zero();
+  for (const Vec3& p : mesh.positions) centre += p / static_cast<double>(mesh.positions.size());
+  for (Vec3& p : mesh.positions) p = rotation * (p - centre) + offset;
+  return mesh;
+}
+
+/// What is cut right through goes back by its shorter end, far though that is, and is not crumpled.
+void expect_drawn_through(const MeshFile& through, double shorter_end) {
+  const MeshFile sheet = placed(make_box({2, 2, 0.1}, 0.1), Eigen::AngleAxisd::Identity(), Vec3::Zero());
+  const Resolved r = resolve(concatenate(std::array{sheet, through}));
+  expect_resolved(r);
+  expect_volume_kept(r, 0.01);
+  EXPECT_LT(r.report.max_displacement, 1.3 * shorter_end);
+}
+
+TEST(Resolve, DrawsARodOutOfASheet) {
+  const Eigen::AngleAxisd tilt(1, Vec3(0, 1, 0.1).normalized());
+  const Vec3 along = tilt * Vec3(0.5, 0.01, 0.02);
+  MeshFile rod = make_box({2, 0.2, 0.2}, 0.1);
+  expect_drawn_through(placed(rod, tilt, along), 0.5);
+}
+
+TEST(Resolve, DrawsAStripOutOfASheet) {
+  const Eigen::AngleAxisd tilt(1.4, Vec3(1, 0.1, 0).normalized());
+  expect_drawn_through(placed(make_box({0.6, 2, 0.1}, 0.1), tilt, tilt * Vec3(0.05, 0.5, 0)), 0.5);
+}
+
+// Both of its halves are cut through.
+TEST(Resolve, UnfoldsASheetThatCutsItself) {
+  MeshFile mesh = make_box({4, 1.5, 0.1}, 0.1);
+  apply_pose(mesh, "fold", {.axis = 0});
+  const Resolved r = resolve(mesh);
+  EXPECT_GT(r.report.iterations.front().triangle_pairs, 300);
+  expect_resolved(r);
+  expect_volume_kept(r, 0.01);
 }
 
 /// Its own vertices shaken, so that elements are inside out.
@@ -294,14 +334,21 @@ TEST(Resolve, PinnedVerticesStayInATangle) {
 }
 
 TEST(Resolve, SaysWhatIsStuck) {
-  const MeshFile mesh = boxes({0.83, 0.13, 0.07});
   ResolveOptions options;
-  for (Index v = 0; v < std::ssize(mesh.positions); ++v) options.pinned.push_back(v);
+  options.max_displacement = 1e-6;
   options.patience = 7;
-  const Resolved r = resolve(mesh, options);
+  options.pinned = {0, 1, 2};
+  for (Index v = 0; v < 216; v += 2) options.pinned.push_back(v);
+  const Resolved r = resolve(boxes({0.83, 0.13, 0.07}), options);
   EXPECT_EQ(r.report.outcome, ResolveOutcome::kStuck);
-  EXPECT_EQ(r.report.iterations.size(), 8u);
-  EXPECT_EQ(r.after, r.before);
+  EXPECT_GE(r.report.iterations.size(), 8u);
+  const std::vector<Index>& holding = r.report.holding_vertices;
+  ASSERT_FALSE(holding.empty());
+  EXPECT_EQ(std::adjacent_find(holding.begin(), holding.end(), std::greater_equal<>()), holding.end());
+  for (const Index v : holding) {
+    EXPECT_EQ(v % 2, 0);
+    EXPECT_GT(r.after[v][0], 0.7) << v;
+  }
   // Those of either box that reach into the other.
   ASSERT_FALSE(r.report.tangled_elements.empty());
   EXPECT_TRUE(std::is_sorted(r.report.tangled_elements.begin(), r.report.tangled_elements.end()));
@@ -311,8 +358,33 @@ TEST(Resolve, SaysWhatIsStuck) {
       nearest = std::min(nearest, r.after[v][0]);
       farthest = std::max(farthest, r.after[v][0]);
     }
-    EXPECT_TRUE(nearest <= 1 && farthest >= 0.83) << e;
+    EXPECT_TRUE(nearest < 1 + 1e-5 && farthest > 0.83 - 1e-5) << e;
   }
+}
+
+TEST(Resolve, SaysAtOnceWhatPinsHold) {
+  ResolveOptions options;
+  for (Index v = 0; v < 432; ++v) options.pinned.push_back(v);
+  const Resolved r = resolve(boxes({0.83, 0.13, 0.07}), options);
+  EXPECT_EQ(r.report.outcome, ResolveOutcome::kHeld);
+  EXPECT_EQ(r.report.iterations.size(), 1u);
+  EXPECT_EQ(r.after, r.before);
+  std::set<Index> corners;
+  for (const Index e : r.report.tangled_elements)
+    corners.insert(r.mesh.elements()[e].begin(), r.mesh.elements()[e].end());
+  EXPECT_FALSE(corners.empty());
+  EXPECT_EQ(r.report.holding_vertices, std::vector<Index>(corners.begin(), corners.end()));
+}
+
+// Pins that hold nothing that meets are no reason to refuse.
+TEST(Resolve, MovesWhatIsNotPinnedOutOfWhatIs) {
+  ResolveOptions options;
+  const MeshFile mesh = boxes({0.83, 0.13, 0.07});
+  for (Index v = 0; v < 432; ++v)
+    if (v < 216 || mesh.positions[v][0] > 1.7) options.pinned.push_back(v);
+  const Resolved r = resolve(mesh, options);
+  expect_resolved(r);
+  EXPECT_TRUE(r.report.holding_vertices.empty());
 }
 
 TEST(Resolve, ObeysTheCap) {

@@ -45,12 +45,16 @@ enum class ResolveOutcome : std::uint8_t {
   kResolved,  ///< nothing meets, nothing penetrates, no element is inverted
   kStuck,     ///< no progress for as many iterations as the patience lasts
   kGaveUp,    ///< the iterations did not suffice
+  kHeld,      ///< impossible: what is pinned meets itself or is inverted; nothing was moved
 };
 
 struct ResolveReport {
   ResolveOutcome outcome = ResolveOutcome::kResolved;
   std::vector<ResolveIteration> iterations;  ///< from the input, which is iteration 0, to the result
-  std::vector<Index> tangled_elements;       ///< unless resolved: those that still collide or are inverted; ascending
+  /// Unless resolved: those that still collide or are inverted; where they are held, those that the pins hold.
+  /// Ascending.
+  std::vector<Index> tangled_elements;
+  std::vector<Index> holding_vertices;  ///< of these elements and their contacts those that are pinned; ascending
   std::int64_t moved_vertices = 0;
   double max_displacement = 0, mean_displacement = 0;  ///< over all vertices [m]
   double volume_before = 0, volume_after = 0;          ///< of all elements [m^3]
