@@ -31,12 +31,24 @@ void add_weight(Contact& contact, Index vertex, double weight) {
   contact.weights[i] += weight;
 }
 
+void drop_weightless(Contact& contact) {
+  int kept = 0;
+  for (int i = 0; i < contact.count; ++i) {
+    if (contact.weights[i] == 0) continue;
+    contact.vertices[kept] = contact.vertices[i];
+    contact.weights[kept] = contact.weights[i];
+    ++kept;
+  }
+  contact.count = static_cast<std::uint8_t>(kept);
+}
+
 Contact path_contact(const TetMesh& mesh, const PenetratingPoint& point, const BoundaryPath<3>& path) {
   Contact contact;
   contact.kind = point.kind;
   for (int i = 0; i < point.count; ++i) add_weight(contact, point.vertices[i], point.weights[i]);
   const auto& face = mesh.boundary_faces()[path.face];
   for (int i = 0; i < 3; ++i) add_weight(contact, face[i], -path.barycentric[i]);
+  drop_weightless(contact);
   contact.normal = path.normal;
   contact.point = path.point;
   contact.point_feature = point.feature;

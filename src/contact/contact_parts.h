@@ -26,6 +26,9 @@ PenetratingPoint penetrating_centroid(Index of_element, const VertexTuple<4>& ve
 /// Adds a weight to a contact: to that of the same vertex where it is listed already.
 void add_weight(Contact& contact, Index vertex, double weight);
 
+/// Takes out vertices that the point and the surface have in common, and with the same weight.
+void drop_weightless(Contact& contact);
+
 /// The contact of a point and the closest boundary point that was found for it.
 Contact path_contact(const TetMesh& mesh, const PenetratingPoint& point, const BoundaryPath<3>& path);
 

@@ -20,7 +20,8 @@ struct Hit {
 /// The solid inside a closed surface.
 class MeshSolid {
  public:
-  /// @throws Error  when a position is not finite or the surface is not closed; it names `where`
+  /// Where no two triangles have a vertex in common, those in the same place are taken as one.
+  /// @throws Error  when a position is not finite, or the surface is not closed or faces inwards; it names `where`
   MeshSolid(const std::string& where, const MeshShape& shape);
 
   std::optional<Hit> find_hit(const Vec3& p) const;

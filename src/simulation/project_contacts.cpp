@@ -16,7 +16,7 @@ constexpr std::int64_t kVertexGrain = 1024;
 constexpr std::int64_t kVertexRun = 128;
 /// Part of a vertex's shortest edge that a point inside a body is sent at a time.
 constexpr double kVertexReach = 0.25;
-/// How far a vertex moves at most to close a gap of 1: by no more does one whose contact nothing holds and no vertex
+/// How far a vertex moves at most to close a gap of 1. By no more does one whose contact nothing holds and no vertex
 /// has on both sides, for of weights that sum to 1 the largest is at most (1 + sqrt 3) / 2 times the sum of their
 /// squares.
 constexpr double kFarthest = 1.37;
@@ -33,8 +33,9 @@ Eigen::AlignedBox3d box_around(std::span<const VertexRow> vertices) {
 
 /// The vertices of both sides of a contact. Those of one side all count by the mean of their masses, weighed as in the
 /// contact: by their own, a light vertex among heavy ones would be thrown many times as far as the contact is deep, and
-/// its elements turned inside out; this way nothing moves much farther, and momentum is kept all the same. Nor does a
-/// vertex that has next to no weight, the others on its side being held: such a contact is closed in part only.
+/// its elements turned inside out; this way nothing moves much farther, and momentum is kept all the same. Nor does
+/// what moves a point by little, the others on its side being held or the point and the surface having it in common:
+/// such a contact is closed in part only.
 class ContactSides {
  public:
   ContactSides(const Contact& contact, std::span<VertexRow> vertices) : contact_(contact), vertices_(vertices) {
@@ -47,14 +48,12 @@ class ContactSides {
     }
     for (int s = 0; s < 2; ++s) mobilities_[s] = masses[s] > 0 ? weights[s] / masses[s] : 0;
     double farthest = 0;
-    bool is_partly_held = false;
     for (int i = 0; i < contact.count; ++i) {
       const double moved = mobility(i) * std::abs(contact.weights[i]);
-      mobility_ += mobility(i) * contact.weights[i] * contact.weights[i];
+      mobility_ += moved * std::abs(contact.weights[i]);
       farthest = std::max(farthest, moved);
-      is_partly_held |= mobility(i) != mobilities_[side(i)];
     }
-    if (is_partly_held) mobility_ = std::max(mobility_, farthest / kFarthest);
+    mobility_ = std::max(mobility_, farthest / kFarthest);
   }
 
   bool can_move() const { return mobility_ > 0; }
@@ -85,7 +84,7 @@ Vec3 offset_of_rows(const Contact& contact, std::span<VertexRow> vertices) {
   return offset;
 }
 
-void project_contact(const Contact& contact, std::span<const Vec3> start, std::span<const double> reaches,
+void project_contact(const Contact& contact, const Step& step, std::span<const double> reaches,
                      const Friction& friction, Grip& grip, std::span<VertexRow> vertices) {
   const Vec3 offset = offset_of_rows(contact, vertices);
   double depth = -contact.normal.dot(offset);
@@ -95,13 +94,14 @@ void project_contact(const Contact& contact, std::span<const Vec3> start, std::s
   if (is_path(contact.kind)) {
     depth = std::min(depth, reach);
   } else {
-    depth += std::clamp(gap_of(contact, start), 0.0, kContactGap * reach);
+    depth += std::clamp(gap_of(contact, step.positions), 0.0, kContactGap * reach);
   }
   ContactSides sides(contact, vertices);
   if (!sides.can_move()) return;
   const Vec3 out = depth * contact.normal;
-  const Vec3 displacement = offset + out - offset_of(contact, start);
-  sides.move_apart(out + friction_correction(displacement, contact.normal, depth, friction, grip));
+  const Vec3 displacement = offset + out - offset_of(contact, step.positions);
+  const Vec3 drift = step.length() * offset_of(contact, step.velocities);
+  sides.move_apart(out + friction_correction(displacement, drift, contact.normal, depth, friction, grip));
 }
 
 /// An obstacle and where it is at the ends of a step.
@@ -112,16 +112,16 @@ struct MovingObstacle {
 
   /// @param surface  what starts the step no deeper inside lies on the surface [m]; infinite: all does
   template <typename Solid>
-  ObstacleContacts push_out(const Solid& solid, const Vec3& start, double surface, std::int64_t step,
-                            ObstacleGrip& grip, VertexRow& vertex) const {
+  ObstacleContacts push_out(const Solid& solid, const Step& step, std::int64_t v, double surface, ObstacleGrip& grip,
+                            VertexRow& vertex) const {
     const Vec3 p = is_still ? Vec3(position(vertex)) : to.invert(position(vertex));
-    const Vec3 was = from.invert(start);
+    const Vec3 was = from.invert(step.positions[v]);
     const std::optional<Hit> hit = find_hit_on_way(solid, was, p);
     if (!hit) return {};
     ObstacleContacts contacts{1, 0};
-    if (grip.step != step) {
+    if (grip.step != step.number) {
       grip = {};
-      grip.step = step;
+      grip.step = step.number;
       const std::optional<Hit> buried = std::isfinite(surface) ? find_hit(solid, was) : std::optional<Hit>();
       if (buried && buried->depth > surface) {
         grip.way_out = to.rotation * buried->normal;
@@ -130,7 +130,8 @@ struct MovingObstacle {
       }
     }
     const Vec3 outside = p + hit->depth * hit->normal;
-    const Vec3 slide = friction_correction(outside - was, hit->normal, hit->depth, obstacle.friction, grip.grip);
+    const Vec3 drift = to.invert(step.positions[v] + step.length() * step.velocities[v]) - was;
+    const Vec3 slide = friction_correction(outside - was, drift, hit->normal, hit->depth, obstacle.friction, grip.grip);
     // Back from where the slide leaves a hollow wall.
     const Vec3 held = outside + slide;
     const std::optional<Hit> again = find_hit(solid, held);
@@ -153,10 +154,10 @@ std::vector<double> reaches_of(const Model& model) {
   return reaches;
 }
 
-void project_contacts(std::span<const Contact> contacts, std::span<const Vec3> start, std::span<const double> reaches,
+void project_contacts(std::span<const Contact> contacts, const Step& step, std::span<const double> reaches,
                       const Friction& friction, std::span<Grip> grips, std::span<VertexRow> vertices) {
   for (std::size_t i = 0; i < contacts.size(); ++i)
-    project_contact(contacts[i], start, reaches, friction, grips[i], vertices);
+    project_contact(contacts[i], step, reaches, friction, grips[i], vertices);
 }
 
 void push_apart(std::span<const Contact> contacts, const Push& push, std::span<VertexRow> vertices) {
@@ -168,27 +169,27 @@ void push_apart(std::span<const Contact> contacts, const Push& push, std::span<V
   }
 }
 
-ObstacleContacts project_obstacles(std::span<const Obstacle> obstacles, double from, double to, std::int64_t step,
-                                   std::span<const Vec3> start, std::span<const double> reaches,
-                                   std::span<ObstacleGrip> grips, std::span<VertexRow> vertices) {
+ObstacleContacts project_obstacles(std::span<const Obstacle> obstacles, const Step& step,
+                                   std::span<const double> reaches, std::span<ObstacleGrip> grips,
+                                   std::span<VertexRow> vertices) {
   if (obstacles.empty()) return {};
   std::vector<MovingObstacle> moving;
   bool any_far_side = false;
   for (const Obstacle& obstacle : obstacles) {
-    moving.push_back({obstacle, obstacle.motion.at(from), obstacle.motion.at(to)});
+    moving.push_back({obstacle, obstacle.motion.at(step.from), obstacle.motion.at(step.to)});
     any_far_side |= std::visit([](const auto& s) { return kHasFarSide<std::decay_t<decltype(s)>>; }, obstacle.solid);
   }
   const std::size_t count = moving.size();
   // To find a box takes half as long as to ask one obstacle of every vertex.
   const bool pays_box = count > 1;
-  const std::int64_t run = pays_box ? kVertexRun : std::ssize(start);
+  const std::int64_t run = pays_box ? kVertexRun : std::ssize(vertices);
   const auto surface_of = [&](std::int64_t v) { return reaches.empty() ? HUGE_VAL : kContactGap * reaches[v]; };
   const auto project = [&](std::int64_t first, std::int64_t last, ObstacleContacts& hits) {
     Eigen::AlignedBox3d box, ways;
     const auto place_boxes = [&] {
       ways = box = box_around(vertices.subspan(first, last - first));
       if (!any_far_side) return;
-      for (std::int64_t v = first; v < last; ++v) ways.extend(start[v]);
+      for (std::int64_t v = first; v < last; ++v) ways.extend(step.positions[v]);
     };
     if (pays_box) place_boxes();
     for (std::size_t o = 0; o < count; ++o)
@@ -199,12 +200,12 @@ ObstacleContacts project_obstacles(std::span<const Obstacle> obstacles, double f
             const std::int64_t before = hits.count;
             for (std::int64_t v = first; v < last; ++v)
               if (vertices[v].inverse_mass > 0)
-                hits.add(moving[o].push_out(solid, start[v], surface_of(v), step, grips[v * count + o], vertices[v]));
+                hits.add(moving[o].push_out(solid, step, v, surface_of(v), grips[v * count + o], vertices[v]));
             if (pays_box && hits.count > before) place_boxes();
           },
           obstacles[o].solid);
   };
-  return parallel_reduce<ObstacleContacts>(std::ssize(start), kVertexGrain,
+  return parallel_reduce<ObstacleContacts>(std::ssize(vertices), kVertexGrain,
                                            [&](std::int64_t first, std::int64_t last, ObstacleContacts& hits) {
                                              for (; first < last; first += run)
                                                project(first, std::min(first + run, last), hits);

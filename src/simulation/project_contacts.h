@@ -12,6 +12,15 @@ namespace selvage {
 /// Part of a reach by which what meets a surface is kept in front of it.
 inline constexpr double kContactGap = 0.01;
 
+/// A step, and where vertices were at its start, and how fast.
+struct Step {
+  std::int64_t number;                          ///< this step's alone, from 0
+  double from, to;                              ///< [s]
+  std::span<const Vec3> positions, velocities;  ///< (n_vertices) [m], [m/s]
+
+  double length() const { return to - from; }
+};
+
 /// Moves vertices out of every contact, one after the other in the order given, and holds back what slides.
 ///
 /// What meets a surface stays in front of it, by as much as it was and kContactGap at most, which gives it no speed:
@@ -22,10 +31,9 @@ inline constexpr double kContactGap = 0.01;
 /// elements are inside out, the way that is found for a point can be a long detour, and all the way at once would turn
 /// its own elements inside out, and theirs in turn others.
 ///
-/// @param start    (n_vertices) positions at the start of the step
 /// @param reaches  (n_vertices) [m]
 /// @param grips    (n_contacts) of this step; updated
-void project_contacts(std::span<const Contact> contacts, std::span<const Vec3> start, std::span<const double> reaches,
+void project_contacts(std::span<const Contact> contacts, const Step& step, std::span<const double> reaches,
                       const Friction& friction, std::span<Grip> grips, std::span<VertexRow> vertices);
 
 /// For each vertex a part of its shortest edge [m]; 0 without an element.
@@ -63,15 +71,14 @@ struct ObstacleContacts {
   }
 };
 
-/// Moves vertices out of obstacles, which move from their places at the time `from` to those at the time `to`, to the
-/// side that they come from: see find_hit_on_way(). Parallel.
+/// Moves vertices out of obstacles, which move during the step, to the side that they come from: see
+/// find_hit_on_way(). Parallel.
 ///
-/// @param step     a number of this step alone, from 0
 /// @param reaches  (n_vertices) [m]: what starts the step inside by less than kContactGap of them lies on the surface;
 ///                 empty where what starts inside is no matter
 /// @param grips    (n_vertices x n_obstacles); updated
-ObstacleContacts project_obstacles(std::span<const Obstacle> obstacles, double from, double to, std::int64_t step,
-                                   std::span<const Vec3> start, std::span<const double> reaches,
-                                   std::span<ObstacleGrip> grips, std::span<VertexRow> vertices);
+ObstacleContacts project_obstacles(std::span<const Obstacle> obstacles, const Step& step,
+                                   std::span<const double> reaches, std::span<ObstacleGrip> grips,
+                                   std::span<VertexRow> vertices);
 
 }  // namespace selvage

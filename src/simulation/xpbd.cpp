@@ -208,11 +208,11 @@ struct XpbdSolver::Parts {
 
   void project(const State& state, double from, double to) {
     timed(statistics.seconds_projection, [&] {
-      project_contacts(contacts, state.positions, reaches, {options.static_friction, options.dynamic_friction},
-                       contact_grips, vertices);
+      const Step step{steps, from, to, state.positions, state.velocities};
+      project_contacts(contacts, step, reaches, {options.static_friction, options.dynamic_friction}, contact_grips,
+                       vertices);
       const auto reach = may_start_inside(state, from) ? std::span<const double>(reaches) : std::span<const double>();
-      obstacle_contacts.add(
-          project_obstacles(obstacles, from, to, steps, state.positions, reach, obstacle_grips, vertices));
+      obstacle_contacts.add(project_obstacles(obstacles, step, reach, obstacle_grips, vertices));
       statistics.collider_contacts = obstacle_contacts.count;
     });
   }

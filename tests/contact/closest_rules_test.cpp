@@ -116,5 +116,28 @@ TEST(OutwardNormal, IsAreaWeightedAtEdgesAndVertices) {
   }
 }
 
+/// A vertex that the point and the surface have in common, with the same weight, moves nothing and is not listed.
+TEST(PathContact, ListsNoVertexWithoutWeight) {
+  const Solid solid = solids::box({0, 0, 0}, {1, 1, 1}, 1);
+  const TetMesh mesh = solid.mesh();
+  const auto& [a, b, c] = mesh.boundary_faces()[0];
+  const Index other = mesh.elements()[mesh.boundary_owners()[0].element()][mesh.boundary_owners()[0].face()];
+  BoundaryPath<3> path;
+  path.face = 0;
+  path.barycentric = Vec3(0.25, 0.75, 0);
+  const PenetratingPoint point = penetrating_edge(0, {a, other}, 0.75, 0, solid.positions);
+  const Contact contact = path_contact(mesh, point, path);
+  ASSERT_EQ(contact.count, 2);
+  EXPECT_EQ(contact.vertices[0], other);
+  EXPECT_EQ(contact.weights[0], 0.75);
+  EXPECT_EQ(contact.vertices[1], b);
+  EXPECT_EQ(contact.weights[1], -0.75);
+  path.barycentric = Vec3(0.125, 0.25, 0.625);
+  const Contact whole = path_contact(mesh, point, path);
+  ASSERT_EQ(whole.count, 4);
+  EXPECT_EQ(whole.weights[0], 0.125);
+  EXPECT_EQ(whole.vertices[3], c);
+}
+
 }  // namespace
 }  // namespace selvage

@@ -10,10 +10,11 @@ namespace {
 
 const Vec3 kUp{0, 0, 1};
 
-/// Of a contact that is projected once.
-Vec3 friction_of(const Vec3& displacement, const Vec3& normal, double pressed, const Friction& friction) {
+/// Of a contact that is projected once, of what slides too fast to be stopped if nothing else is said.
+Vec3 friction_of(const Vec3& displacement, const Vec3& normal, double pressed, const Friction& friction,
+                 const Vec3& drift = {1e3, 2e3, 3e3}) {
   Grip grip;
-  return friction_correction(displacement, normal, pressed, friction, grip);
+  return friction_correction(displacement, drift, normal, pressed, friction, grip);
 }
 
 TEST(Friction, SticksBelowTheStaticLimit) {
@@ -29,7 +30,17 @@ TEST(Friction, SlipsAboveItByTheDynamicLimit) {
 }
 
 TEST(Friction, NeverTurnsTheMotionRound) {
-  EXPECT_EQ(friction_of({0.3, 0.4, 0}, kUp, 1, {0.1, 5}), Vec3(-0.3, -0.4, 0));
+  for (const Vec3& drift : {Vec3(0, 0, 0), Vec3(8, 0, 0)})
+    EXPECT_EQ(friction_of({0.3, 0.4, 0}, kUp, 1, {0.1, 5}, drift), Vec3(-0.3, -0.4, 0));
+}
+
+/// What lies still, or slides so slowly that dynamic friction stops it, is held by the static limit.
+TEST(Friction, HoldsBackWhatItStopsWithinTheStepByTheStaticLimit) {
+  const Friction friction{0.5, 0.25};
+  for (const Vec3& drift : {Vec3(0, 0, 0), Vec3(0.49, 0, 0), Vec3(0, -0.49, 7)})
+    EXPECT_EQ(friction_of({3, 0, -2}, kUp, 2, friction, drift), Vec3(-1, 0, 0)) << drift;
+  for (const Vec3& drift : {Vec3(0.51, 0, 0), Vec3(0, -0.51, 7)})
+    EXPECT_EQ(friction_of({3, 0, -2}, kUp, 2, friction, drift), Vec3(-0.5, 0, 0)) << drift;
 }
 
 TEST(Friction, IsNothingWithoutMotionNormalForceOrCoefficients) {
@@ -59,15 +70,15 @@ TEST(Friction, IsAcrossTheNormalAgainstTheMotionAndWithinItsLimits) {
 
 /// A point that is pulled by 1 after each projection but pressed by the first alone.
 TEST(Friction, HoldsByAllThatWasPressedInTheStep) {
-  const Vec3 pull{1, 0, 0};
+  const Vec3 pull{1, 0, 0}, drift{20, 0, 0};
   for (const bool holds : {true, false}) {
     Grip grip;
     Vec3 displacement = pull;
-    displacement += friction_correction(displacement, kUp, 10, {holds ? 0.31 : 0.29, 0.2}, grip);
+    displacement += friction_correction(displacement, drift, kUp, 10, {holds ? 0.31 : 0.29, 0.2}, grip);
     EXPECT_EQ(displacement[0], 0);
     for (int i = 0; i < 2; ++i) {
       displacement += pull;
-      displacement += friction_correction(displacement, kUp, 0, {holds ? 0.31 : 0.29, 0.2}, grip);
+      displacement += friction_correction(displacement, drift, kUp, 0, {holds ? 0.31 : 0.29, 0.2}, grip);
     }
     // Pulled by 3 in all, and held by 0.2 * 10.
     EXPECT_DOUBLE_EQ(displacement[0], holds ? 0 : 1);
@@ -89,7 +100,7 @@ TEST(Friction, IsTheSameHoweverManyProjections) {
     for (int i = 0; i < 4; ++i) {
       all += slips[i];
       displacement += slips[i];
-      displacement += friction_correction(displacement, normal, pressed[i], friction, grip);
+      displacement += friction_correction(displacement, Vec3::Zero(), normal, pressed[i], friction, grip);
     }
     const double sum = pressed[0] + pressed[1] + pressed[2] + pressed[3];
     EXPECT_NEAR((displacement - all - friction_of(all, normal, sum, friction)).norm(), 0, 1e-13);

@@ -68,7 +68,8 @@ bool any_turned(const TetMesh& mesh, std::span<const Vec3> positions, std::span<
   });
 }
 
-/// Of a boundary vertex or edge that is inside: an end of an edge that has no weight is not in the contact.
+/// Of a boundary vertex or edge that is inside: an end of an edge that has no weight is not in the contact. Nor is one
+/// that the face has, too, with the same weight; that counts.
 bool has_turned_point(const TetMesh& mesh, std::span<const Vec3> positions, const TriangleMesh& surface,
                       const Contact& contact) {
   std::vector<Index> point{contact.point_feature};
@@ -77,7 +78,10 @@ bool has_turned_point(const TetMesh& mesh, std::span<const Vec3> positions, cons
     point.assign(ends.begin(), ends.end());
   }
   const auto end = contact.vertices.begin() + contact.count;
-  std::erase_if(point, [&](Index v) { return std::find(contact.vertices.begin(), end, v) == end; });
+  const auto& face = mesh.boundary_faces()[contact.surface_feature];
+  std::erase_if(point, [&](Index v) {
+    return std::find(contact.vertices.begin(), end, v) == end && std::find(face.begin(), face.end(), v) == face.end();
+  });
   return any_turned(mesh, positions, point);
 }
 

@@ -37,7 +37,8 @@ struct Scratch {
     return gap;
   }
   void project(Friction friction = {0, 0}) {
-    project_contacts({&contact, 1}, start, reaches, friction, {&grip, 1}, rows);
+    const std::vector<Vec3> velocities(start.size(), Vec3::Zero());
+    project_contacts({&contact, 1}, {0, 0, 1, start, velocities}, reaches, friction, {&grip, 1}, rows);
   }
 };
 
@@ -86,6 +87,17 @@ TEST(Projection, ThrowsNoVertexThatHasLittleWeight) {
     EXPECT_LT(held.moved(3)[2], 0) << weight;
     EXPECT_GE(held.gap(), -0.1) << weight;
   }
+}
+
+/// A point of an edge close to its end, at a face that has this end too: together they move the point by little.
+TEST(Projection, ThrowsNoVertexOfAnEdgeAtItsOwnFace) {
+  Scratch scratch({1, 1, 1, 1}, {0.5, 0.5, 0}, 0.1);
+  scratch.contact.count = 3;
+  scratch.contact.weights = {0.1, -0.05, -0.05};
+  scratch.start[0][2] = scratch.rows[0].position[2] = -1;  // a tenth of that deep
+  scratch.project();
+  EXPECT_LE(scratch.moved(0)[2], 1.37 * 0.1);
+  EXPECT_GT(scratch.moved(0)[2], 0.1);
 }
 
 TEST(Projection, OfTwoLikeBodiesMovesBothAlike) {

@@ -37,7 +37,8 @@ struct CylinderShape {
   double length = 1;  ///< [m]
 };
 
-/// A solid of a closed surface, triangles outward.
+/// A solid of a closed surface, triangles outward. Where no two of them have a vertex in common, as in STL, vertices in
+/// the same place are taken as one.
 struct MeshShape {
   std::vector<Vec3> positions;  ///< [m]
   std::vector<VertexTuple<3>> triangles;
