@@ -189,6 +189,8 @@ void run_resolve(ResolveCommandOptions& options) {
 
   if (!(options.limits.max_displacement > 0))
     throw Error("--max-displacement", fmt::format("is {}", options.limits.max_displacement), "give a length above 0");
+  if (!(options.limits.clearance > 0 && options.limits.clearance < 1))
+    throw Error("--clearance", fmt::format("is {}", options.limits.clearance), "give a number between 0 and 1");
 
   MeshFile mesh = read_solid(options.mesh);
   check_format_holds(options.output, mesh);

@@ -116,7 +116,7 @@ TEST_F(Resolve, RefusesWithOneLine) {
   expect_refused("resolve box.vtu -o out.vtu --pin far.txt", 2, {"far.txt:2", "no vertex 1000"});
   expect_refused("resolve box.vtu -o out.vtu --pin word.txt", 2, {"word.txt:1", "'zero'"});
   expect_refused("resolve box.vtu -o out.vtu --max-displacement 0", 2, {"--max-displacement"});
-  expect_refused("resolve box.vtu -o out.vtu --clearance 0", 2, {"clearance"});
+  expect_refused("resolve box.vtu -o out.vtu --clearance 2", 2, {"--clearance: is 2"});
   EXPECT_EQ(run("resolve --help").status, 0);
   EXPECT_FALSE(fs::exists(file("out.vtu")));
 }
