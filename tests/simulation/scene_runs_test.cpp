@@ -250,8 +250,7 @@ TEST(SceneRuns, CcdAloneLeavesInterlockedWhatTheHybridFrees) {
     frames_locked_by_both += !interlocked_pairs(by_both).empty();
   }
   EXPECT_GT(frames_locked, 10);
-  EXPECT_LT(frames_locked_by_both, 3);
-  EXPECT_TRUE(interlocked_pairs(by_both).empty());
+  EXPECT_EQ(frames_locked_by_both, 0);
 }
 
 /// One loop of the noodle.
