@@ -110,11 +110,14 @@ struct MovingObstacle {
   RigidTransform from, to;
   bool is_still = obstacle.motion.keyframes.empty();
 
+  /// In the obstacle's own coordinates, at the end of the step.
+  Vec3 place(VertexRow& vertex) const { return is_still ? Vec3(position(vertex)) : to.invert(position(vertex)); }
+
   /// @param surface  what starts the step no deeper inside lies on the surface [m]; infinite: all does
   template <typename Solid>
   ObstacleContacts push_out(const Solid& solid, const Step& step, std::int64_t v, double surface, ObstacleGrip& grip,
                             VertexRow& vertex) const {
-    const Vec3 p = is_still ? Vec3(position(vertex)) : to.invert(position(vertex));
+    const Vec3 p = place(vertex);
     const Vec3 was = from.invert(step.positions[v]);
     const std::optional<Hit> hit = find_hit_on_way(solid, was, p);
     if (!hit) return {};
@@ -132,11 +135,15 @@ struct MovingObstacle {
     const Vec3 outside = p + hit->depth * hit->normal;
     const Vec3 drift = to.invert(step.positions[v] + step.length() * step.velocities[v]) - was;
     const Vec3 slide = friction_correction(outside - was, drift, hit->normal, hit->depth, obstacle.friction, grip.grip);
-    // Back from where the slide leaves a hollow wall.
-    const Vec3 held = outside + slide;
-    const std::optional<Hit> again = find_hit(solid, held);
-    position(vertex) = to(again ? Vec3(held + again->depth * again->normal) : held);
+    position(vertex) = to(outside + slide);
     return contacts;
+  }
+
+  /// Moves a vertex that friction has held back inside to the surface once more.
+  void set_on_surface(VertexRow& vertex) const {
+    const Vec3 p = place(vertex);
+    const std::optional<Hit> hit = std::visit([&](const auto& solid) { return find_hit(solid, p); }, obstacle.solid);
+    if (hit) position(vertex) = to(p + hit->depth * hit->normal);
   }
 };
 
@@ -185,6 +192,7 @@ ObstacleContacts project_obstacles(std::span<const Obstacle> obstacles, const St
   const std::int64_t run = pays_box ? kVertexRun : std::ssize(vertices);
   const auto surface_of = [&](std::int64_t v) { return reaches.empty() ? HUGE_VAL : kContactGap * reaches[v]; };
   const auto project = [&](std::int64_t first, std::int64_t last, ObstacleContacts& hits) {
+    std::vector<std::int64_t> pushed;
     Eigen::AlignedBox3d box, ways;
     const auto place_boxes = [&] {
       ways = box = box_around(vertices.subspan(first, last - first));
@@ -198,12 +206,19 @@ ObstacleContacts project_obstacles(std::span<const Obstacle> obstacles, const St
             constexpr bool kByWays = kHasFarSide<std::decay_t<decltype(solid)>>;
             if (pays_box && moving[o].is_still && is_clear(solid, kByWays ? ways : box)) return;
             const std::int64_t before = hits.count;
-            for (std::int64_t v = first; v < last; ++v)
-              if (vertices[v].inverse_mass > 0)
-                hits.add(moving[o].push_out(solid, step, v, surface_of(v), grips[v * count + o], vertices[v]));
+            for (std::int64_t v = first; v < last; ++v) {
+              if (!(vertices[v].inverse_mass > 0)) continue;
+              const auto hit = moving[o].push_out(solid, step, v, surface_of(v), grips[v * count + o], vertices[v]);
+              if (hit.count > 0) pushed.push_back(v);
+              hits.add(hit);
+            }
             if (pays_box && hits.count > before) place_boxes();
           },
           obstacles[o].solid);
+    // What friction holds back from sliding along one wall, it holds back from leaving another, and the same one where
+    // that is hollow.
+    for (const std::int64_t v : pushed)
+      for (const MovingObstacle& obstacle : moving) obstacle.set_on_surface(vertices[v]);
   };
   return parallel_reduce<ObstacleContacts>(std::ssize(vertices), kVertexGrain,
                                            [&](std::int64_t first, std::int64_t last, ObstacleContacts& hits) {

@@ -72,7 +72,7 @@ struct ObstacleContacts {
 };
 
 /// Moves vertices out of obstacles, which move during the step, to the side that they come from: see
-/// find_hit_on_way(). Parallel.
+/// find_hit_on_way(). Friction holds none inside another obstacle. Parallel.
 ///
 /// @param reaches  (n_vertices) [m]: what starts the step inside by less than kContactGap of them lies on the surface;
 ///                 empty where what starts inside is no matter

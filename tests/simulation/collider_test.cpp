@@ -167,6 +167,29 @@ TEST(Colliders, CarryWhatFallsOnThem) {
   }
 }
 
+/// What one wall presses hard and holds by friction, it would hold inside another wall.
+TEST(Colliders, HoldNothingInsideOneAnother) {
+  for (const double friction : {0.0, 0.3, 1.0}) {
+    const Model model = make(moved(make_box({0.2, 0.2, 0.2}, 0.1), {-0.1, -0.1, -0.1}), neo_hookean(1e5));
+    State state = make_state(model, model.rest_positions);
+    std::vector<Collider> walls;
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double side : {-1.0, 1.0}) {
+        const Vec3 inward = -side * Vec3::Unit(axis);
+        const Motion motion{{{0, Vec3::Zero()}, {0.2, 0.03 * inward}}};
+        walls.push_back({PlaneShape{-0.1 * inward, inward}, motion, friction, friction});
+      }
+    XpbdSolver solver(model, state, {}, walls, without_contact());
+    for (int i = 0; i < 90; ++i) {
+      solver.step(state);
+      const double wall = 0.1 - 0.03 * std::min(state.time / 0.2, 1.0);
+      for (const Vec3& p : state.positions)
+        ASSERT_LE(p.lpNorm<Eigen::Infinity>(), wall + 1e-9) << friction << " step " << i;
+    }
+    EXPECT_GT(solver.statistics().collider_contacts, 0);
+  }
+}
+
 TEST(Colliders, TakeAlongWhatTheyCarry) {
   const Model model = make(make_box({0.2, 0.2, 0.1}, 0.05), neo_hookean(1e5));
   State state = make_state(model, model.rest_positions);
