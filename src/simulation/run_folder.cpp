@@ -49,6 +49,15 @@ std::int64_t frame_number(const std::string& name, std::string_view extension) {
   return is_file_or_part(name, fmt::format("frame_{:06}{}", number, extension)) ? number : -1;
 }
 
+bool has_frame_beyond_first(const fs::path& folder) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.ends_with(".bin") && frame_number(name, ".bin") > 0) return true;
+  }
+  return false;
+}
+
 fs::path vtu_path(const fs::path& folder, std::int64_t frame) {
   return folder / "vtu" / fmt::format("frame_{:06}.vtu", frame);
 }
@@ -101,8 +110,13 @@ RunFolder::~RunFolder() {
 }
 
 void RunFolder::refuse_other_run() const {
-  if (options_.resume || !fs::exists(topology_path(options_.folder))) return;
-  throw Error(options_.folder.string(), "holds a run already", "continue it with --resume, or name another folder");
+  // A kill leaves no more than the first frame without a checkpoint.
+  const fs::path checkpoint = checkpoint_path(options_.folder);
+  const bool has_lost_checkpoint = !fs::exists(checkpoint) && has_frame_beyond_first(options_.folder / "frames");
+  if (options_.resume && has_lost_checkpoint)
+    throw Error(checkpoint.string(), "is missing, though there are frames of a run", "name another folder");
+  if (!options_.resume && (has_lost_checkpoint || fs::exists(topology_path(options_.folder))))
+    throw Error(options_.folder.string(), "holds a run already", "continue it with --resume, or name another folder");
 }
 
 std::optional<RunFolder::Stop> RunFolder::find_stop() const {

@@ -222,6 +222,13 @@ TEST(Run, OtherRunsAreLeftAlone) {
   EXPECT_NE(refusal(scene_of(falling_blocks(R"(,"gravity": [0, 0, -3])")), resume).find("another scene"),
             std::string::npos);
   EXPECT_EQ(differences(files_of(folder.path()), before), std::vector<std::string>());
+  // Frames whose other files somebody has removed.
+  fs::remove(folder.path() / "checkpoint.bin");
+  fs::remove(folder.path() / "topology.bin");
+  const auto remaining = files_of(folder.path());
+  EXPECT_NE(refusal(scene_of(falling_blocks()), to(folder.path())).find("holds a run already"), std::string::npos);
+  EXPECT_NE(refusal(scene_of(falling_blocks()), resume).find("checkpoint.bin: is missing"), std::string::npos);
+  EXPECT_EQ(differences(files_of(folder.path()), remaining), std::vector<std::string>());
   // A second process at the same time; here, a second run from within the first.
   const TemporaryFolder shared;
   RunOptions outer = to(shared.path());
