@@ -118,10 +118,13 @@ std::string HelpFormatter::make_footer(const CLI::App* app) const {
   return wrap(app->get_footer(), width_, 0) + '\n';
 }
 
-std::vector<std::string> words_of_help(std::vector<std::string> words) {
+std::vector<std::string> words_of_help(const CLI::App& app, std::vector<std::string> words) {
   if (words.empty() || words[0] != "help") return words;
   words.erase(words.begin());
-  words.emplace_back("--help");
+  const auto commands = app.get_subcommands({});
+  const auto is_named = [&words](const CLI::App* command) { return command->get_name() == words[0]; };
+  // CLI11 would explain the program where it does not know the command.
+  if (words.empty() || std::any_of(commands.begin(), commands.end(), is_named)) words.emplace_back("--help");
   return words;
 }
 

@@ -78,7 +78,7 @@ int run_program(int argc, char** argv) {
                             add_resolve(app), add_simulate(app), add_bench(app)};
   for (const Command& command : commands) add_common_options(command);
   try {
-    std::vector<std::string> words = words_of_help({argv + std::min(argc, 1), argv + argc});
+    std::vector<std::string> words = words_of_help(app, {argv + std::min(argc, 1), argv + argc});
     std::reverse(words.begin(), words.end());  // as CLI11 wants them
     app.parse(std::move(words));
   } catch (const CLI::Success& success) {

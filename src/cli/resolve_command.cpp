@@ -51,10 +51,12 @@ std::vector<Index> find_pinned(const ResolveCommandOptions& options, const MeshF
   if (!options.pin.empty()) pinned = read_vertices(options.pin, count);
   if (options.pin_box.empty()) return pinned;
   const Vec3 a(options.pin_box.data()), b(options.pin_box.data() + 3);
+  const std::size_t before = pinned.size();
   for (Index v = 0; v < count; ++v) {
     const Vec3& p = mesh.positions[v];
     if ((p.array() >= a.cwiseMin(b).array()).all() && (p.array() <= a.cwiseMax(b).array()).all()) pinned.push_back(v);
   }
+  if (pinned.size() == before) throw Error("--pin-box", "holds no vertex", "see `selvage info` for where the mesh is");
   return pinned;
 }
 

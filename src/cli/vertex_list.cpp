@@ -15,8 +15,8 @@ std::vector<Index> read_vertices(const std::filesystem::path& path, Index vertex
   std::vector<Index> vertices;
   std::string text;
   for (int line = 1; std::getline(file, text); ++line) {
-    const std::string_view content = trim(text);
-    if (content.empty() || content[0] == '#') continue;
+    const std::string_view content = trim(std::string_view(text).substr(0, text.find('#')));
+    if (content.empty()) continue;
     const std::string place = fmt::format("{}:{}", path.string(), line);
     const auto vertex = read_number<std::int64_t>(content);
     if (!vertex) throw Error(place, fmt::format("'{}' is no vertex number", content), "write one a line");

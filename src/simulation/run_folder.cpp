@@ -112,10 +112,10 @@ RunFolder::~RunFolder() {
 void RunFolder::refuse_other_run() const {
   // A kill leaves no more than the first frame without a checkpoint.
   const fs::path checkpoint = checkpoint_path(options_.folder);
-  const bool has_lost_checkpoint = !fs::exists(checkpoint) && has_frame_beyond_first(options_.folder / "frames");
-  if (options_.resume && has_lost_checkpoint)
+  const bool has_checkpoint = fs::exists(checkpoint), has_frame = has_frame_beyond_first(options_.folder / "frames");
+  if (options_.resume && has_frame && !has_checkpoint)
     throw Error(checkpoint.string(), "is missing, though there are frames of a run", "name another folder");
-  if (!options_.resume && (has_lost_checkpoint || fs::exists(topology_path(options_.folder))))
+  if (!options_.resume && (has_frame || has_checkpoint || fs::exists(topology_path(options_.folder))))
     throw Error(options_.folder.string(), "holds a run already", "continue it with --resume, or name another folder");
 }
 
@@ -162,10 +162,13 @@ void RunFolder::begin() const {
                                                             : true;
     if (wanted) make_folder(options_.folder / name);
   }
-  if (fs::exists(checkpoint_path(options_.folder))) return;
-  clear_unfinished(-1);
-  write_text(statistics_path(), statistics_header());
-  write_topology(topology_path(options_.folder), scene_.model, scene_.fingerprint);
+  const bool is_new = !fs::exists(checkpoint_path(options_.folder));
+  if (is_new) {
+    clear_unfinished(-1);
+    write_text(statistics_path(), statistics_header());
+  }
+  if (is_new || !fs::exists(topology_path(options_.folder)))
+    write_topology(topology_path(options_.folder), scene_.model, scene_.fingerprint);
 }
 
 void RunFolder::store_frame(const State& state, const FrameStatistics& row) const {

@@ -214,6 +214,7 @@ SceneDescription describe_scene(std::string_view text, const std::filesystem::pa
   object.get("selvage_scene").integer(1, 1);
   for (const char* key : {"description", "$schema"})
     if (const auto v = object.find(key)) v->text();
+  object.find("scales");  // choose_scale() has taken it out
   read_solver(object, scene);
   std::map<std::string, Material> materials;
   if (const auto v = object.find("materials")) {

@@ -51,6 +51,7 @@ TEST_F(HelpTest, UsageNamesAllThatIsNeeded) {
 TEST_F(HelpTest, IsAWordToo) {
   EXPECT_EQ(run_well("help").out, run_well("--help").out);
   EXPECT_EQ(run_well("help make").out, run_well("make --help").out);
+  expect_refused("help mend", 2, {"there is no command 'mend'"});
 }
 
 TEST_F(HelpTest, ExamplesRunAsTheyStand) {

@@ -84,7 +84,7 @@ TEST_F(Resolve, SaysAtOnceWhatPinsHold) {
 
 TEST_F(Resolve, PinsWhatAFileLists) {
   run_well("make box --cell 0.25 --pose overlap,dx=0.8 -o tangled.vtu -q");
-  write_text(file("pins.txt"), "# the first box's corner\n\n 0 \n1\r\n");
+  write_text(file("pins.txt"), "# the first box's corner\n\n 0 # this\n1\r\n");
   const MeshFile before = read_mesh(file("tangled.vtu"));
   run_well("resolve tangled.vtu -o out.vtu --pin pins.txt --json report.json -q");
   EXPECT_EQ(nlohmann::json::parse(read_text(file("report.json")))["pinned_vertices"], 2);
@@ -115,6 +115,7 @@ TEST_F(Resolve, RefusesWithOneLine) {
   expect_refused("resolve box.vtu -o out.vtu --rest finer.vtu", 2, {"finer.vtu", "other vertices or elements"});
   expect_refused("resolve box.vtu -o out.vtu --pin far.txt", 2, {"far.txt:2", "no vertex 1000"});
   expect_refused("resolve box.vtu -o out.vtu --pin word.txt", 2, {"word.txt:1", "'zero'"});
+  expect_refused("resolve box.vtu -o out.vtu --pin-box 9 9 9 10 10 10", 2, {"--pin-box", "holds no vertex"});
   expect_refused("resolve box.vtu -o out.vtu --max-displacement 0", 2, {"--max-displacement"});
   expect_refused("resolve box.vtu -o out.vtu --clearance 2", 2, {"--clearance: is 2"});
   EXPECT_EQ(run("resolve --help").status, 0);

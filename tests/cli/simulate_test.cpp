@@ -42,6 +42,8 @@ TEST_F(Simulate, RefusesWithOneLine) {
   write_text(file("wrong.json"), R"({"selvage_scene": 1, "bodies": [{"mesh": {"shape": "bux"}}]})");
   expect_refused("simulate wrong.json -o run", 2, {"wrong.json: bodies[0].mesh.shape", "box"});
   expect_refused("simulate none.json -o run", 2, {"none.json"});
+  write_text(file("typo.json"), R"({"selvage_scene": 1, "scale": {}, "bodies": [{"mesh": {"shape": "box"}}]})");
+  expect_refused("simulate typo.json -o run", 2, {"typo.json: scale: is not known", "did you mean 'scales'?"});
   write_text(file("mesh.obj"), "v 0 0 0\n");
   expect_refused("simulate mesh.obj -o run", 2, {"mesh.obj", "line 1, column 1", "a scene in JSON"});
   expect_refused("simulate blocks.json", 2, {"--output"});

@@ -223,6 +223,10 @@ TEST(Run, OtherRunsAreLeftAlone) {
             std::string::npos);
   EXPECT_EQ(differences(files_of(folder.path()), before), std::vector<std::string>());
   // Frames whose other files somebody has removed.
+  fs::remove(folder.path() / "topology.bin");
+  EXPECT_NE(refusal(scene_of(falling_blocks()), to(folder.path())).find("holds a run already"), std::string::npos);
+  run_scene(scene_of(falling_blocks()), resume);
+  EXPECT_EQ(differences(files_of(folder.path()), before), std::vector<std::string>());
   fs::remove(folder.path() / "checkpoint.bin");
   fs::remove(folder.path() / "topology.bin");
   const auto remaining = files_of(folder.path());
