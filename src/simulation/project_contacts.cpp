@@ -58,10 +58,15 @@ class ContactSides {
 
   bool can_move() const { return mobility_ > 0; }
 
-  /// Changes the offset between the two by a vector.
-  void move_apart(const Vec3& correction) {
+  /// How far each vertex moves where the offset between the two changes by a vector.
+  template <typename Visit>
+  void visit_moves(const Vec3& correction, Visit&& visit) const {
     for (int i = 0; i < contact_.count; ++i)
-      position(vertices_[contact_.vertices[i]]) += mobility(i) * contact_.weights[i] / mobility_ * correction;
+      visit(contact_.vertices[i], mobility(i) * contact_.weights[i] / mobility_ * correction);
+  }
+
+  void move_apart(const Vec3& correction) {
+    visit_moves(correction, [&](Index v, const Vec3& move) { position(vertices_[v]) += move; });
   }
 
  private:
@@ -85,7 +90,7 @@ Vec3 offset_of_rows(const Contact& contact, std::span<VertexRow> vertices) {
 }
 
 void project_contact(const Contact& contact, const Step& step, std::span<const double> reaches,
-                     const Friction& friction, Grip& grip, std::span<VertexRow> vertices) {
+                     const Friction& friction, Grip& grip, std::span<Vec3> sent, std::span<VertexRow> vertices) {
   const Vec3 offset = offset_of_rows(contact, vertices);
   double depth = -contact.normal.dot(offset);
   if (!(depth > 0)) return;
@@ -102,6 +107,7 @@ void project_contact(const Contact& contact, const Step& step, std::span<const d
   const Vec3 displacement = offset + out - offset_of(contact, step.positions);
   const Vec3 drift = step.length() * offset_of(contact, step.velocities);
   sides.move_apart(out + friction_correction(displacement, drift, contact.normal, depth, friction, grip));
+  if (is_path(contact.kind)) sides.visit_moves(out, [&](Index v, const Vec3& move) { sent[v] += move; });
 }
 
 /// An obstacle and where it is at the ends of a step.
@@ -115,8 +121,8 @@ struct MovingObstacle {
 
   /// @param surface  what starts the step no deeper inside lies on the surface [m]; infinite: all does
   template <typename Solid>
-  ObstacleContacts push_out(const Solid& solid, const Step& step, std::int64_t v, double surface, ObstacleGrip& grip,
-                            VertexRow& vertex) const {
+  ObstacleContacts push_out(const Solid& solid, const Step& step, std::int64_t v, double surface, const Vec3& sent,
+                            ObstacleGrip& grip, VertexRow& vertex) const {
     const Vec3 p = place(vertex);
     const Vec3 was = from.invert(step.positions[v]);
     const std::optional<Hit> hit = find_hit_on_way(solid, was, p);
@@ -133,8 +139,9 @@ struct MovingObstacle {
       }
     }
     const Vec3 outside = p + hit->depth * hit->normal;
+    const Vec3 moved = outside - was - to.rotation.transpose() * sent;
     const Vec3 drift = to.invert(step.positions[v] + step.length() * step.velocities[v]) - was;
-    const Vec3 slide = friction_correction(outside - was, drift, hit->normal, hit->depth, obstacle.friction, grip.grip);
+    const Vec3 slide = friction_correction(moved, drift, hit->normal, hit->depth, obstacle.friction, grip.grip);
     position(vertex) = to(outside + slide);
     return contacts;
   }
@@ -162,9 +169,10 @@ std::vector<double> reaches_of(const Model& model) {
 }
 
 void project_contacts(std::span<const Contact> contacts, const Step& step, std::span<const double> reaches,
-                      const Friction& friction, std::span<Grip> grips, std::span<VertexRow> vertices) {
+                      const Friction& friction, std::span<Grip> grips, std::span<Vec3> sent,
+                      std::span<VertexRow> vertices) {
   for (std::size_t i = 0; i < contacts.size(); ++i)
-    project_contact(contacts[i], step, reaches, friction, grips[i], vertices);
+    project_contact(contacts[i], step, reaches, friction, grips[i], sent, vertices);
 }
 
 void push_apart(std::span<const Contact> contacts, const Push& push, std::span<VertexRow> vertices) {
@@ -177,8 +185,8 @@ void push_apart(std::span<const Contact> contacts, const Push& push, std::span<V
 }
 
 ObstacleContacts project_obstacles(std::span<const Obstacle> obstacles, const Step& step,
-                                   std::span<const double> reaches, std::span<ObstacleGrip> grips,
-                                   std::span<VertexRow> vertices) {
+                                   std::span<const double> reaches, std::span<const Vec3> sent,
+                                   std::span<ObstacleGrip> grips, std::span<VertexRow> vertices) {
   if (obstacles.empty()) return {};
   std::vector<MovingObstacle> moving;
   bool any_far_side = false;
@@ -208,7 +216,8 @@ ObstacleContacts project_obstacles(std::span<const Obstacle> obstacles, const St
             const std::int64_t before = hits.count;
             for (std::int64_t v = first; v < last; ++v) {
               if (!(vertices[v].inverse_mass > 0)) continue;
-              const auto hit = moving[o].push_out(solid, step, v, surface_of(v), grips[v * count + o], vertices[v]);
+              const auto hit =
+                  moving[o].push_out(solid, step, v, surface_of(v), sent[v], grips[v * count + o], vertices[v]);
               if (hit.count > 0) pushed.push_back(v);
               hits.add(hit);
             }

@@ -33,8 +33,10 @@ struct Step {
 ///
 /// @param reaches  (n_vertices) [m]
 /// @param grips    (n_contacts) of this step; updated
+/// @param sent     (n_vertices) how far contacts have sent vertices out of bodies in this step [m]; updated
 void project_contacts(std::span<const Contact> contacts, const Step& step, std::span<const double> reaches,
-                      const Friction& friction, std::span<Grip> grips, std::span<VertexRow> vertices);
+                      const Friction& friction, std::span<Grip> grips, std::span<Vec3> sent,
+                      std::span<VertexRow> vertices);
 
 /// For each vertex a part of its shortest edge [m]; 0 without an element.
 std::vector<double> reaches_of(const Model& model);
@@ -72,13 +74,14 @@ struct ObstacleContacts {
 };
 
 /// Moves vertices out of obstacles, which move during the step, to the side that they come from: see
-/// find_hit_on_way(). Friction holds none inside another obstacle. Parallel.
+/// find_hit_on_way(). Friction holds none inside another obstacle, nor inside a body. Parallel.
 ///
 /// @param reaches  (n_vertices) [m]: what starts the step inside by less than kContactGap of them lies on the surface;
 ///                 empty where what starts inside is no matter
+/// @param sent     (n_vertices) what project_contacts() says
 /// @param grips    (n_vertices x n_obstacles); updated
 ObstacleContacts project_obstacles(std::span<const Obstacle> obstacles, const Step& step,
-                                   std::span<const double> reaches, std::span<ObstacleGrip> grips,
-                                   std::span<VertexRow> vertices);
+                                   std::span<const double> reaches, std::span<const Vec3> sent,
+                                   std::span<ObstacleGrip> grips, std::span<VertexRow> vertices);
 
 }  // namespace selvage

@@ -73,6 +73,7 @@ struct XpbdSolver::Parts {
   std::vector<Contact> contacts;
   std::vector<double> reaches;               ///< see project_contacts()
   std::vector<Grip> contact_grips;           ///< (n_contacts)
+  std::vector<Vec3> sent;                    ///< (n_vertices) see project_contacts()
   std::vector<ObstacleGrip> obstacle_grips;  ///< (n_vertices x n_obstacles)
   ObstacleContacts obstacle_contacts;        ///< of the step
   std::vector<VertexRow> vertices;           ///< as the step moves them
@@ -92,6 +93,7 @@ struct XpbdSolver::Parts {
       for (const Index v : handle.vertices) places.push_back(initial.positions[v]);
     }
     vertices.resize(model.mesh.vertex_count());
+    sent.resize(vertex_count(), Vec3::Zero());
     obstacle_grips.resize(vertex_count() * obstacles.size());
     if (material.needs_start()) start = vertices;
     reaches = reaches_of(model);
@@ -210,9 +212,9 @@ struct XpbdSolver::Parts {
     timed(statistics.seconds_projection, [&] {
       const Step step{steps, from, to, state.positions, state.velocities};
       project_contacts(contacts, step, reaches, {options.static_friction, options.dynamic_friction}, contact_grips,
-                       vertices);
+                       sent, vertices);
       const auto reach = may_start_inside(state, from) ? std::span<const double>(reaches) : std::span<const double>();
-      obstacle_contacts.add(project_obstacles(obstacles, step, reach, obstacle_grips, vertices));
+      obstacle_contacts.add(project_obstacles(obstacles, step, reach, sent, obstacle_grips, vertices));
       statistics.collider_contacts = obstacle_contacts.count;
     });
   }
@@ -228,6 +230,8 @@ struct XpbdSolver::Parts {
     const int free_iterations = std::max(options.iterations / 2, 1);
     solve_material(0, free_iterations);
     check_finite(state.steps + 1);
+    for (const Contact& contact : contacts)
+      for (int i = 0; i < contact.count; ++i) sent[contact.vertices[i]].setZero();
     find_contacts();
     contact_grips.assign(contacts.size(), {});
     obstacle_contacts = {};

@@ -1,4 +1,5 @@
 #include "bodies.h"
+#include "selvage/boundary_path/boundary_path.h"
 #include "selvage/contact/friction.h"
 #include "selvage/core/error.h"
 
@@ -188,6 +189,26 @@ TEST(Colliders, HoldNothingInsideOneAnother) {
     }
     EXPECT_GT(solver.statistics().collider_contacts, 0);
   }
+}
+
+/// Two blocks that start in one another, pressed between plates that would hold them by friction: they come apart.
+TEST(Colliders, HoldNothingInsideABody) {
+  const MeshFile block = make_box({0.2, 0.2, 0.2}, 0.05);
+  const std::array meshes{block, moved(block, {0.15, 0.013, 0})};
+  const Model model = make(meshes, neo_hookean(1e5, 0.4));
+  State state = make_state(model, model.rest_positions);
+  const Motion motion{{{0, Vec3::Zero()}, {0.1, Vec3(0, 0, -0.06)}}};
+  XpbdOptions options;
+  options.static_friction = options.dynamic_friction = 0.3;
+  XpbdSolver solver(model, state, {},
+                    {{PlaneShape{}, {}, 0.3, 0.3}, {PlaneShape{{0, 0, 0.2}, -Vec3::UnitZ()}, motion, 0.3, 0.3}},
+                    options);
+  BoundaryPathFinder<3> finder(model.mesh, state.positions);
+  EXPECT_GT(finder.find_penetrating_vertices().size(), 50u);
+  for (int i = 0; i < 150; ++i) solver.step(state);
+  finder.update(state.positions);
+  EXPECT_TRUE(finder.find_penetrating_vertices().empty());
+  EXPECT_LT(kinetic_energy(model, state), 1e-3);
 }
 
 TEST(Colliders, TakeAlongWhatTheyCarry) {

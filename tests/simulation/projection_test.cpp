@@ -38,7 +38,8 @@ struct Scratch {
   }
   void project(Friction friction = {0, 0}) {
     const std::vector<Vec3> velocities(start.size(), Vec3::Zero());
-    project_contacts({&contact, 1}, {0, 0, 1, start, velocities}, reaches, friction, {&grip, 1}, rows);
+    std::vector<Vec3> sent = velocities;
+    project_contacts({&contact, 1}, {0, 0, 1, start, velocities}, reaches, friction, {&grip, 1}, sent, rows);
   }
 };
 
