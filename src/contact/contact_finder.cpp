@@ -245,7 +245,9 @@ void ContactFinder::State::append_ways_out(std::span<const Vec3> positions, std:
       return other.surface_feature == contact.surface_feature && other.point == contact.point;
     };
     if (first < contacts.size() && !is_same_point(contacts[first], contact)) first = contacts.size();
-    if (found[i].normal.isZero(0) || std::any_of(contacts.begin() + first, contacts.end(), same)) continue;
+    // Nothing moves a point that is on a face of its own vertices where its way out ends.
+    const bool moves = contact.count > 0 && !found[i].normal.isZero(0);
+    if (!moves || std::any_of(contacts.begin() + first, contacts.end(), same)) continue;
     contacts.push_back(contact);
   }
 }

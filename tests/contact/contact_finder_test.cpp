@@ -377,6 +377,27 @@ TEST(ContactFinder, StatisticsAddUp) {
   EXPECT_LE(finder.statistics().pose_updates, 2) << "of this step alone";
 }
 
+/// A corner of a box in the place of other vertices turns elements flat and inside out. Their edges and centroids are
+/// then inside others, and some end their way out where they are: on a face, by the same weights of the same vertices.
+TEST(ContactFinder, GivesNoContactWithoutVertices) {
+  const Solid solid = solids::box({0, 0, 0}, {1, 1, 1}, 0.5);
+  const TetMesh mesh = solid.mesh();
+  for (const Vec3& place : {Vec3(0, 0, 0.5), Vec3(0, 0.5, 0), Vec3(-0.5, 0.5, -0.25)}) {
+    Positions t1 = solid.positions;
+    ASSERT_EQ(t1[0], Vec3::Zero());
+    t1[0] = place;
+    for (const bool waits : {false, true}) {
+      ContactOptions options = in_mode(DetectionMode::kDcd);
+      options.interior_points = true;
+      options.wait_for_inverted = waits;
+      ContactFinder finder(mesh, {}, solid.positions, {}, options);
+      const std::vector<Contact> contacts = contacts_of_step(finder, t1, t1);
+      EXPECT_FALSE(contacts.empty());
+      for (const Contact& contact : contacts) EXPECT_GE(contact.count, 2) << contact.point_feature;
+    }
+  }
+}
+
 TEST(ContactFinder, RefusesWhatDoesNotFit) {
   const Solid solid = tip_over_box(0.1);
   const TetMesh mesh = solid.mesh();

@@ -190,6 +190,20 @@ TEST(Resolve, UnfoldsASheetThatCutsItself) {
   expect_volume_kept(r, 0.01);
 }
 
+/// A corner in the place of another vertex: flat elements, whose edges are where their way out ends.
+TEST(Resolve, TurnsWhatIsFlatByTheRestThatIsGiven) {
+  const MeshFile rest = make_box(Vec3::Ones(), 0.5);
+  for (const Vec3& place : {Vec3(0, 0, 0.5), Vec3(0, 0.5, 0), Vec3(-0.5, 0.5, -0.25)}) {
+    MeshFile mesh = rest;
+    mesh.positions[0] = place;
+    ResolveOptions options;
+    options.rest_positions = rest.positions;
+    const Resolved r = resolve(mesh, options);
+    EXPECT_GT(r.report.iterations.front().inverted_elements, 0);
+    expect_resolved(r);
+  }
+}
+
 /// Its own vertices shaken, so that elements are inside out.
 TEST(Resolve, TurnsWhatIsInsideOutByTheRestThatIsGiven) {
   MeshFile mesh = make_rod(RodCurve::kStraight, 8, 0.2, 0.1);
