@@ -146,10 +146,12 @@ struct MovingObstacle {
     return contacts;
   }
 
-  /// Moves a vertex that friction has held back inside to the surface once more.
-  void set_on_surface(VertexRow& vertex) const {
+  /// Moves a vertex that friction has held back inside, or beyond, to the surface once more.
+  void set_on_surface(const Step& step, std::int64_t v, VertexRow& vertex) const {
     const Vec3 p = place(vertex);
-    const std::optional<Hit> hit = std::visit([&](const auto& solid) { return find_hit(solid, p); }, obstacle.solid);
+    const Vec3 was = from.invert(step.positions[v]);
+    const std::optional<Hit> hit =
+        std::visit([&](const auto& solid) { return find_hit_on_way(solid, was, p); }, obstacle.solid);
     if (hit) position(vertex) = to(p + hit->depth * hit->normal);
   }
 };
@@ -227,7 +229,7 @@ ObstacleContacts project_obstacles(std::span<const Obstacle> obstacles, const St
     // What friction holds back from sliding along one wall, it holds back from leaving another, and the same one where
     // that is hollow.
     for (const std::int64_t v : pushed)
-      for (const MovingObstacle& obstacle : moving) obstacle.set_on_surface(vertices[v]);
+      for (const MovingObstacle& obstacle : moving) obstacle.set_on_surface(step, v, vertices[v]);
   };
   return parallel_reduce<ObstacleContacts>(std::ssize(vertices), kVertexGrain,
                                            [&](std::int64_t first, std::int64_t last, ObstacleContacts& hits) {

@@ -252,6 +252,29 @@ TEST(Colliders, LetNothingPassThroughThem) {
       }
 }
 
+/// Nor where others press it so that their friction holds it, while the plate comes; whichever is listed first.
+TEST(Colliders, LetFrictionPullNothingThroughThem) {
+  MeshShape plate = cube(1);
+  for (Vec3& p : plate.positions) p = (p - Vec3(0.5, 0.5, 0.5)).cwiseProduct(Vec3(0.002, 2, 2));
+  const Motion press{{{0, Vec3::Zero()}, {0.1, Vec3(0, 0, -0.06)}}};
+  const Vec3 start(-0.05, 0.1, 0.1);
+  for (const double speed : {0.3, 2.0})
+    for (const bool plate_first : {false, true}) {
+      const Model model = make(make_box({0.2, 0.2, 0.2}, 0.05), neo_hookean(1e5, 0.3));
+      State state = make_state(model, model.rest_positions);
+      const Motion sweep{{{0, start}, {0.1, start}, {1.1, start + speed * Vec3::UnitX()}}};
+      std::vector<Collider> colliders{{PlaneShape{}, {}, 1, 1}, {PlaneShape{{0, 0, 0.2}, -Vec3::UnitZ()}, press, 1, 1}};
+      colliders.insert(plate_first ? colliders.begin() : colliders.end(), {plate, sweep, 1, 1});
+      XpbdSolver solver(model, state, {}, colliders, without_contact());
+      for (int i = 0; i < 100; ++i) {
+        solver.step(state);
+        const double front = sweep.at(state.time).translation[0] + 0.001;
+        for (const Vec3& p : state.positions) ASSERT_GE(p[0], front - 1e-9) << speed << plate_first << " step " << i;
+      }
+      EXPECT_GT(sweep.at(state.time).translation[0], 0);
+    }
+}
+
 /// A body that starts in the floor is pushed out, and not shot off by its depth a step.
 TEST(Colliders, GiveNoSpeedToWhatStartsInside) {
   const Model model = make(moved(make_box({0.2, 0.2, 0.2}, 0.05), {0, 0, -0.06}), neo_hookean(1e5));
