@@ -1,6 +1,6 @@
+#include "bvh/bvh.h"
+#include "core/isa.h"
 #include "kernels/bvh_queries.h"
-#include "selvage/bvh/bvh.h"
-#include "selvage/core/isa.h"
 
 #include <benchmark/benchmark.h>
 

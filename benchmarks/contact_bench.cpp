@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "geometry/continuous_exact.h"
+#include "geometry/exact/continuous_exact.h"
 #include "random_points.h"
 #include "selvage/geometry/continuous.h"
 #include "selvage/geometry/triangle_triangle.h"

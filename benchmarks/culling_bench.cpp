@@ -1,5 +1,5 @@
-#include "selvage/mesh/shapes.h"
 #include "selvage/self_collision/self_collision.h"
+#include "selvage/shapes/shapes.h"
 
 #include <benchmark/benchmark.h>
 
@@ -18,7 +18,7 @@ struct Surface {
 };
 
 Surface cloth(int cells, void (*bend)(Vec3&)) {
-  MeshFile file = make_cloth(1, 1, 1.0 / cells);
+  IndexedMesh file = make_cloth(1, 1, 1.0 / cells);
   for (Vec3& x : file.positions) bend(x);
   return {TriangleMesh(static_cast<Index>(file.positions.size()), file.triangles), file.positions};
 }

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "kernels/arithmetic.h"
-#include "simulation/material_blocks.h"
+#include "simulation/xpbd/material_blocks.h"
 
 #include <atomic>
 #include <barrier>

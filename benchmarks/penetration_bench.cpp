@@ -1,10 +1,10 @@
 #include <benchmark/benchmark.h>
 
 #include "contact/penetration_search.h"
+#include "core/parallel.h"
 #include "selvage/boundary_path/boundary_path.h"
-#include "selvage/core/parallel.h"
-#include "selvage/mesh/poses.h"
-#include "selvage/mesh/shapes.h"
+#include "selvage/shapes/poses.h"
+#include "selvage/shapes/shapes.h"
 
 // Which boundary vertices (and edges) are inside an element, step after step of a motion: all looked for, or only what
 // is near a crossing of the boundary with itself. Two balls with arms that overlap, and a bar that is bent through
@@ -12,14 +12,14 @@
 namespace {
 
 using selvage::Index;
-using selvage::MeshFile;
+using selvage::IndexedMesh;
 using selvage::TetMesh;
 using selvage::TriangleMesh;
 using selvage::Vec3;
 
 class Scene {
  public:
-  explicit Scene(const MeshFile& file)
+  explicit Scene(const IndexedMesh& file)
       : mesh(static_cast<Index>(file.positions.size()), file.tetrahedra),
         surface(mesh.vertex_count(), {mesh.boundary_faces().begin(), mesh.boundary_faces().end()}),
         start_(file.positions),
@@ -44,25 +44,25 @@ class Scene {
   std::vector<Vec3> start_, positions_;
 };
 
-MeshFile balls() {
+IndexedMesh balls() {
   selvage::ShapeOptions options;
   options.elements = 80000;
   options.tentacles = 24;
-  const MeshFile ball = selvage::make_shape("squishy-ball", options);
-  MeshFile both = selvage::concatenate(std::array{ball, ball});
+  const IndexedMesh ball = selvage::make_shape("squishy-ball", options);
+  IndexedMesh both = selvage::concatenate(std::array{ball, ball});
   for (std::size_t v = ball.positions.size(); v < both.positions.size(); ++v) both.positions[v] += Vec3(2.6, 0.1, 0.2);
   return both;
 }
 
-MeshFile bar() {
+IndexedMesh bar() {
   selvage::ShapeOptions options;
   options.elements = 67000;
-  MeshFile file = selvage::make_shape("beam", options);
+  IndexedMesh file = selvage::make_shape("beam", options);
   selvage::apply_pose(file, "bend");
   return file;
 }
 
-void every_element(benchmark::State& state, const MeshFile& file, double rate) {
+void every_element(benchmark::State& state, const IndexedMesh& file, double rate) {
   Scene scene(file);
   selvage::BoundaryPathFinder<3> finder(scene.mesh, scene.at(0));
   double step = 0;
@@ -74,7 +74,7 @@ void every_element(benchmark::State& state, const MeshFile& file, double rate) {
   state.counters["found"] = static_cast<double>(found);
 }
 
-void near_crossings(benchmark::State& state, const MeshFile& file, bool with_edges, double rate) {
+void near_crossings(benchmark::State& state, const IndexedMesh& file, bool with_edges, double rate) {
   Scene scene(file);
   selvage::PenetrationSearch search(scene.mesh, scene.surface, with_edges, scene.at(0));
   selvage::PenetrationCounters counters;
@@ -93,13 +93,13 @@ void near_crossings(benchmark::State& state, const MeshFile& file, bool with_edg
 }
 
 /// The motion alone, which is in all of the others.
-void motion(benchmark::State& state, const MeshFile& file) {
+void motion(benchmark::State& state, const IndexedMesh& file) {
   Scene scene(file);
   double step = 0;
   for (auto _ : state) benchmark::DoNotOptimize(scene.at(++step / 300));
 }
 
-void new_search(benchmark::State& state, const MeshFile& file, bool with_edges) {
+void new_search(benchmark::State& state, const IndexedMesh& file, bool with_edges) {
   Scene scene(file);
   const auto start = scene.at(0);
   for (auto _ : state) selvage::PenetrationSearch(scene.mesh, scene.surface, with_edges, start);

@@ -1,7 +1,7 @@
+#include "core/parallel.h"
 #include "material_limit.h"
-#include "selvage/core/parallel.h"
-#include "selvage/mesh/shapes.h"
-#include "simulation/material_solver.h"
+#include "selvage/shapes/shapes.h"
+#include "simulation/xpbd/material_solver.h"
 
 #include <tbb/global_control.h>
 
@@ -18,7 +18,7 @@ namespace {
 Model make_block(Index elements, MaterialKind kind) {
   ShapeOptions options;
   options.elements = elements;
-  const MeshFile box = make_shape("box", options);
+  const IndexedMesh box = make_shape("box", options);
   const auto vertices = static_cast<Index>(box.positions.size()), count = static_cast<Index>(box.tetrahedra.size());
   Material material;
   material.kind = kind;

@@ -3,8 +3,8 @@
 #include <fstream>
 #include <string>
 
-#include "selvage/mesh/shapes.h"
 #include "selvage/mesh/simplex_mesh.h"
+#include "selvage/shapes/shapes.h"
 
 // Time and memory to build the topology of a box of tetrahedra, with all threads: seconds a mesh, and bytes a tet at
 // the worst moment, the tets' own 16 among them.
@@ -29,7 +29,7 @@ void reset_peak() {
 void build_topology(benchmark::State& state) {
   ShapeOptions options;
   options.elements = state.range(0);
-  const MeshFile box = make_shape("box", options);
+  const IndexedMesh box = make_shape("box", options);
   const auto count = static_cast<double>(box.tetrahedra.size());
   double peak = 0, kept = 0;
   for (auto _ : state) {

@@ -47,9 +47,10 @@ function(selvage_precompile target owner)
   endif()
 endfunction()
 
-# selvage_floor(NAME [LOWER...]): the floor in the current folder, made of every .cpp in it (kernels excepted).
+# selvage_floor(NAME [LOWER...]): the floor in the current folder, made of every .cpp in it and its rooms (kernels
+# excepted).
 function(selvage_floor name)
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   list(FILTER sources EXCLUDE REGEX "_kernel\\.cpp$")
   add_library(selvage_${name} OBJECT ${sources})
   set_target_properties(selvage_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)

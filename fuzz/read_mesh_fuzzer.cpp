@@ -1,6 +1,6 @@
 // libFuzzer target of each mesh file format, named fuzz_read_<format>: whatever the bytes, reading gives a mesh that
 // keeps every promise of read_mesh, or an Error of one line.
-#include "mesh/format.h"
+#include "io/format.h"
 #include "selvage/core/error.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ bool are_valid(const std::vector<VertexTuple<N>>& elements, std::size_t vertices
   });
 }
 
-bool is_valid(const MeshFile& mesh) {
+bool is_valid(const IndexedMesh& mesh) {
   const bool finite =
       std::all_of(mesh.positions.begin(), mesh.positions.end(), [](const Vec3& p) { return p.allFinite(); });
   return finite && !(mesh.triangles.empty() && mesh.tetrahedra.empty()) &&

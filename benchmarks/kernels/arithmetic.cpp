@@ -1,6 +1,6 @@
 #include "kernels/arithmetic.h"
 
-#include "selvage/core/simd_double.h"
+#include "core/simd/simd_double.h"
 
 namespace selvage {
 inline namespace SELVAGE_ISA {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "selvage/core/isa.h"
+#include "core/isa.h"
 
 #include <cstdint>
 

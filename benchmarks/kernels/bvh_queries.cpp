@@ -1,6 +1,6 @@
 #include "kernels/bvh_queries.h"
 
-#include "selvage/bvh/traverse.h"
+#include "bvh/traverse.h"
 
 namespace selvage {
 inline namespace SELVAGE_ISA {

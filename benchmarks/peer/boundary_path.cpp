@@ -219,7 +219,7 @@ void PathMeasurement::compare_containment() {
 
 }  // namespace
 
-void measure_boundary_paths(const std::string& name, const MeshFile& file, const BoundaryPathPlan& plan,
+void measure_boundary_paths(const std::string& name, const IndexedMesh& file, const BoundaryPathPlan& plan,
                             Report& report) {
   const Subject subject(name, file, plan.most_queries);
   const TetMesh& mesh = subject.mesh();

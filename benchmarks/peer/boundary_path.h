@@ -1,7 +1,7 @@
 #pragma once
 
 #include "peer/report.h"
-#include "selvage/mesh/mesh_file.h"
+#include "selvage/io/mesh_file.h"
 
 namespace selvage::bench {
 
@@ -13,7 +13,7 @@ struct BoundaryPathPlan {
 };
 
 /// Measures BoundaryPathFinder beside the peer on one tangled mesh, and prints as it goes.
-void measure_boundary_paths(const std::string& name, const MeshFile& mesh, const BoundaryPathPlan& plan,
+void measure_boundary_paths(const std::string& name, const IndexedMesh& mesh, const BoundaryPathPlan& plan,
                             Report& report);
 
 }  // namespace selvage::bench

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "selvage/bvh/overlap.h"
+#include "bvh/overlap.h"
 #include "selvage/mesh/triangle_mesh.h"
 
 #include <memory>

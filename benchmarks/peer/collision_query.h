@@ -1,7 +1,7 @@
 #pragma once
 
+#include "bvh/overlap.h"
 #include "peer/collision_subject.h"
-#include "selvage/bvh/overlap.h"
 
 #include <memory>
 

@@ -1,7 +1,7 @@
 #include "peer/collision_subject.h"
 
-#include "selvage/mesh/sequences.h"
 #include "selvage/mesh/simplex_mesh.h"
+#include "selvage/shapes/sequences.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@ namespace selvage::bench {
 namespace {
 
 /// The triangles of a surface, or the boundary of a tetrahedral mesh.
-TriangleMesh surface_of(const MeshFile& file) {
+TriangleMesh surface_of(const IndexedMesh& file) {
   const Index vertex_count = static_cast<Index>(file.positions.size());
   if (file.tetrahedra.empty()) return {vertex_count, file.triangles};
   const TetMesh mesh(vertex_count, file.tetrahedra);
@@ -28,7 +28,7 @@ CollisionSubject::CollisionSubject(std::string_view sequence, std::int64_t trian
   for (int i = 0; i < count; ++i) frames_.push_back(motion.positions(first + i));
 }
 
-CollisionSubject::CollisionSubject(std::string name, const MeshFile& file, int frames)
+CollisionSubject::CollisionSubject(std::string name, const IndexedMesh& file, int frames)
     : name_(std::move(name)), mesh_(surface_of(file)), frames_(frames, file.positions) {}
 
 }  // namespace selvage::bench

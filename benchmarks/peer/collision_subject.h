@@ -1,6 +1,6 @@
 #pragma once
 
-#include "selvage/mesh/mesh_file.h"
+#include "selvage/io/mesh_file.h"
 #include "selvage/mesh/triangle_mesh.h"
 
 #include <string>
@@ -17,7 +17,7 @@ class CollisionSubject {
   CollisionSubject(std::string_view sequence, std::int64_t triangles, int frames);
 
   /// One pose over and over.
-  CollisionSubject(std::string name, const MeshFile& file, int frames);
+  CollisionSubject(std::string name, const IndexedMesh& file, int frames);
 
   const std::string& name() const { return name_; }
   const TriangleMesh& mesh() const { return mesh_; }

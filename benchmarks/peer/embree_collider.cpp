@@ -1,8 +1,8 @@
 #include "peer/embree_collider.h"
 
-#include "selvage/bvh/box.h"
+#include "bvh/box.h"
+#include "core/parallel.h"
 #include "selvage/core/error.h"
-#include "selvage/core/parallel.h"
 #include "selvage/geometry/triangle_triangle.h"
 
 #include <embree3/rtcore.h>

@@ -1,8 +1,8 @@
 #include "peer/embree_peer.h"
 
+#include "core/parallel.h"
 #include "peer/embree_scene.h"
 #include "peer/tet_walk.h"
-#include "selvage/core/parallel.h"
 
 #include <limits>
 
@@ -249,7 +249,7 @@ struct EmbreePeer::State::Search {
     if constexpr (Counting) ++counters.traversals, ++counters.elements_visited;
     if (face.owner >> 2 == target) return true;
     if (squared == 0) return false;
-    const Walk walk(mesh, s, p);
+    const TetTraversal walk(mesh, s, p);
     const auto& v = face.vertices;
     const Entry entry{face.owner, {walk.project(v[0]), walk.project(v[1]), walk.project(v[2])}};
     FixedStorage fixed;

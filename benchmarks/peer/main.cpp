@@ -1,11 +1,11 @@
+#include "core/isa.h"
 #include "peer/boundary_path.h"
 #include "peer/self_collision.h"
 #include "peer/simulation.h"
 #include "peer/tangled_meshes.h"
 #include "selvage/core/error.h"
-#include "selvage/core/isa.h"
-#include "selvage/mesh/sequences.h"
 #include "selvage/self_collision/self_collision.h"
+#include "selvage/shapes/sequences.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -57,7 +57,7 @@ void bench_boundary_path(const Arguments& arguments) {
     for (const TangledShape& shape : tangled_shapes()) {
       const auto& wanted = arguments.shapes;
       if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), shape.name) == wanted.end()) continue;
-      const MeshFile mesh = make_tangled(shape, elements);
+      const IndexedMesh mesh = make_tangled(shape, elements);
       const std::int64_t count = std::ssize(mesh.tetrahedra);
       const std::string name = fmt::format("{}-{}", shape.name, short_count(count));
       if (count > 2 * elements)

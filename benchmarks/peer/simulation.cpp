@@ -3,7 +3,7 @@
 #include "material_limit.h"
 #include "peer/json_file.h"
 #include "selvage/core/error.h"
-#include "selvage/simulation/run.h"
+#include "selvage/scene/run.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -17,7 +17,7 @@ std::vector<PathQuery<3>> thin_out(const std::vector<PathQuery<3>>& queries, std
 
 }  // namespace
 
-Subject::Subject(std::string name, const MeshFile& file, std::int64_t most_queries)
+Subject::Subject(std::string name, const IndexedMesh& file, std::int64_t most_queries)
     : name_(std::move(name)), mesh_(static_cast<Index>(file.positions.size()), file.tetrahedra), pose_(file.positions) {
   make_pose_before();
   make_queries(most_queries);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "selvage/boundary_path/boundary_path.h"
-#include "selvage/mesh/mesh_file.h"
+#include "selvage/io/mesh_file.h"
 
 namespace selvage::bench {
 
@@ -15,14 +15,14 @@ struct QuerySet {
 /// A tangled mesh in its pose and, for refits and warm starts, in one a small step before.
 class Subject {
  public:
-  Subject(std::string name, const MeshFile& file, std::int64_t most_queries);
+  Subject(std::string name, const IndexedMesh& file, std::int64_t most_queries);
 
   const std::string& name() const { return name_; }
   const TetMesh& mesh() const { return mesh_; }
   std::span<const Vec3> pose() const { return pose_; }
   std::span<const Vec3> pose_before() const { return pose_before_; }
   double extent() const { return extent_; }
-  const PoseDefects& defects() const { return defects_; }
+  const MeshDefects& defects() const { return defects_; }
 
   /// Penetrating vertices, then centroids of elements.
   std::span<const QuerySet> query_sets() const { return query_sets_; }
@@ -36,7 +36,7 @@ class Subject {
   TetMesh mesh_;
   std::vector<Vec3> pose_, pose_before_;
   double extent_ = 0;
-  PoseDefects defects_;
+  MeshDefects defects_;
   std::vector<QuerySet> query_sets_;
 };
 

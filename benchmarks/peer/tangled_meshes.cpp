@@ -1,7 +1,7 @@
 #include "peer/tangled_meshes.h"
 
-#include "selvage/mesh/poses.h"
-#include "selvage/mesh/shapes.h"
+#include "selvage/shapes/poses.h"
+#include "selvage/shapes/shapes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,12 +11,12 @@ namespace selvage::bench {
 namespace {
 
 /// Shears a mesh along x, so that what later lies upon itself is out of step by a share of the length.
-void lean(MeshFile& mesh, double share) {
+void lean(IndexedMesh& mesh, double share) {
   for (Vec3& x : mesh.positions) x[2] += share * x[0];
 }
 
-MeshFile make_two_squishy_balls(double cell) {
-  const MeshFile ball = make_squishy_ball(1, 40, cell, 1);
+IndexedMesh make_two_squishy_balls(double cell) {
+  const IndexedMesh ball = make_squishy_ball(1, 40, cell, 1);
   return concatenate(std::vector{ball, ball});
 }
 
@@ -25,15 +25,15 @@ MeshFile make_two_squishy_balls(double cell) {
 std::span<const TangledShape> tangled_shapes() {
   static const std::array<TangledShape, 5> kShapes = {{
       {"octopus", [](double cell) { return make_octopus(1, cell, 1); },
-       [](MeshFile& mesh) { pose_swirl(mesh, 0.5, 0.15); }, 0.066},
+       [](IndexedMesh& mesh) { pose_swirl(mesh, 0.5, 0.15); }, 0.066},
       {"squishy-balls", make_two_squishy_balls,
-       [](MeshFile& mesh) {
+       [](IndexedMesh& mesh) {
          const Index half = static_cast<Index>(mesh.positions.size() / 2);
          pose_overlap(mesh.positions, half, Vec3(1.6137, 0.2319, 0.1713));
        },
        0.1},
       {"rod", [](double cell) { return make_rod(RodCurve::kStraight, 4, 0.1, cell); },
-       [](MeshFile& mesh) {
+       [](IndexedMesh& mesh) {
          lean(mesh, 0.0137);
          pose_self_crossing(mesh.positions, 0, 2);
        },
@@ -42,7 +42,7 @@ std::span<const TangledShape> tangled_shapes() {
        [](double cell) {
          return make_box({4, 0.3, 0.3}, cell);
        },
-       [](MeshFile& mesh) {
+       [](IndexedMesh& mesh) {
          pose_twist(mesh.positions, 0, 0.5);
          lean(mesh, 0.0237);
          pose_bend(mesh.positions, 0, 1.2371);
@@ -50,19 +50,19 @@ std::span<const TangledShape> tangled_shapes() {
        0.05},
       // Nearly every vertex that penetrates lies exactly in the plane of some face.
       {"aligned-rod", [](double cell) { return make_rod(RodCurve::kStraight, 4, 0.1, cell); },
-       [](MeshFile& mesh) { pose_self_crossing(mesh.positions, 0, 2); }, 0.05},
+       [](IndexedMesh& mesh) { pose_self_crossing(mesh.positions, 0, 2); }, 0.05},
   }};
   return kShapes;
 }
 
-MeshFile make_tangled(const TangledShape& shape, std::int64_t elements) {
+IndexedMesh make_tangled(const TangledShape& shape, std::int64_t elements) {
   double cell = shape.coarsest_cell;
-  MeshFile best = shape.make(cell);
-  const auto error = [&](const MeshFile& mesh) {
+  IndexedMesh best = shape.make(cell);
+  const auto error = [&](const IndexedMesh& mesh) {
     return std::abs(std::log(static_cast<double>(mesh.tetrahedra.size()) / static_cast<double>(elements)));
   };
   // The count goes with the cube of the cell, about; layers come and go as a whole.
-  MeshFile mesh = best;
+  IndexedMesh mesh = best;
   for (int i = 0; i < 6 && error(best) > 0.1; ++i) {
     const double ratio = static_cast<double>(mesh.tetrahedra.size()) / static_cast<double>(elements);
     cell = std::min(cell * std::cbrt(ratio), shape.coarsest_cell);

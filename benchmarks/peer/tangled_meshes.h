@@ -1,6 +1,6 @@
 #pragma once
 
-#include "selvage/mesh/mesh_file.h"
+#include "selvage/io/mesh_file.h"
 
 #include <functional>
 
@@ -9,8 +9,8 @@ namespace selvage::bench {
 /// A mesh that runs into itself without inverting, by formula.
 struct TangledShape {
   std::string_view name;
-  std::function<MeshFile(double cell)> make;  ///< at rest
-  std::function<void(MeshFile&)> tangle;
+  std::function<IndexedMesh(double cell)> make;  ///< at rest
+  std::function<void(IndexedMesh&)> tangle;
   double coarsest_cell;  ///< the largest that the shape takes
 };
 
@@ -19,6 +19,6 @@ struct TangledShape {
 std::span<const TangledShape> tangled_shapes();
 
 /// The shape with about `elements` tetrahedra, or the fewest that it can be made of; tangled.
-MeshFile make_tangled(const TangledShape& shape, std::int64_t elements);
+IndexedMesh make_tangled(const TangledShape& shape, std::int64_t elements);
 
 }  // namespace selvage::bench

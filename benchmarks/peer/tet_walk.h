@@ -45,7 +45,7 @@ class FixedStorage {
   }
   bool add(Index tet) {
     visited_[count_++ % kVisited] = tet;
-    return count_ <= kMostSteps;
+    return count_ <= kMaxSteps;
   }
   bool push(const Entry& entry) {
     if (depth_ == kDepth) return false;
@@ -60,7 +60,7 @@ class FixedStorage {
   int steps() const { return count_; }
 
  private:
-  static constexpr int kVisited = 16, kDepth = 16, kMostSteps = 8192;
+  static constexpr int kVisited = 16, kDepth = 16, kMaxSteps = 8192;
   alignas(64) std::array<Index, kVisited> visited_{-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1};
   int count_ = 0, depth_ = 0;
   std::array<Entry, kDepth> stack_;
@@ -96,9 +96,9 @@ class GrowingStorage {
 enum class WalkEnd { kOnItsWay, kReached, kLeftMesh, kBlocked, kOutOfStorage };
 
 /// The ray from the boundary point s to the point p (SPB supplement, algorithm 1).
-class Walk {
+class TetTraversal {
  public:
-  Walk(const WalkMesh& mesh, const Float3& s, const Float3& p) : mesh_(mesh), origin_(s) {
+  TetTraversal(const WalkMesh& mesh, const Float3& s, const Float3& p) : mesh_(mesh), origin_(s) {
     const Float3 r = p - s;
     const float length = std::sqrt(dot(r, r));
     along_ = (1 / length) * r;

@@ -1,6 +1,6 @@
 #include "bvh/binned_split.h"
 
-#include "selvage/core/parallel.h"
+#include "core/parallel.h"
 
 #include <algorithm>
 #include <limits>

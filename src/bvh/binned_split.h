@@ -1,8 +1,8 @@
 #pragma once
 
+#include "bvh/bvh.h"
 #include "bvh/split_kernel.h"
-#include "selvage/bvh/bvh.h"
-#include "selvage/core/simd.h"
+#include "core/simd/simd.h"
 
 #include <memory>
 

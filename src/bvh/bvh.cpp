@@ -1,9 +1,9 @@
-#include "selvage/bvh/bvh.h"
+#include "bvh/bvh.h"
 
 #include "bvh/bvh_build.h"
 #include "bvh/refit.h"
+#include "core/parallel.h"
 #include "selvage/core/error.h"
-#include "selvage/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>

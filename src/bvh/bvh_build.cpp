@@ -1,7 +1,7 @@
 #include "bvh/bvh_build.h"
 
 #include "bvh/binned_split.h"
-#include "selvage/core/parallel.h"
+#include "core/parallel.h"
 
 #include <algorithm>
 #include <cassert>

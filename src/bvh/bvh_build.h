@@ -1,6 +1,6 @@
 #pragma once
 
-#include "selvage/bvh/bvh.h"
+#include "bvh/bvh.h"
 
 namespace selvage {
 

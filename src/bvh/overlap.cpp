@@ -1,9 +1,9 @@
-#include "selvage/bvh/overlap.h"
+#include "bvh/overlap.h"
 
-#include "bvh/merge_sorted.h"
 #include "bvh/pairs_kernel.h"
-#include "selvage/bvh/traverse_pairs.h"
-#include "selvage/core/parallel.h"
+#include "bvh/traverse_pairs.h"
+#include "core/merge_sorted.h"
+#include "core/parallel.h"
 
 #include <algorithm>
 

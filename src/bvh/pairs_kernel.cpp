@@ -1,6 +1,6 @@
 #include "bvh/pairs_kernel.h"
 
-#include "selvage/bvh/traverse_pairs.h"
+#include "bvh/traverse_pairs.h"
 
 namespace selvage {
 inline namespace SELVAGE_ISA {

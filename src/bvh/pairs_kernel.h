@@ -1,7 +1,7 @@
 #pragma once
 
-#include "selvage/bvh/overlap.h"
-#include "selvage/core/isa.h"
+#include "bvh/overlap.h"
+#include "core/isa.h"
 
 namespace selvage {
 

@@ -1,6 +1,6 @@
 #include "bvh/refit.h"
 
-#include "selvage/core/simd.h"
+#include "core/simd/simd.h"
 
 #include <limits>
 

@@ -1,6 +1,6 @@
 #include "bvh/split_kernel.h"
 
-#include "selvage/core/simd.h"
+#include "core/simd/simd.h"
 
 namespace selvage {
 inline namespace SELVAGE_ISA {

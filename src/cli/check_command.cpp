@@ -3,8 +3,9 @@
 #include "cli/console.h"
 #include "cli/memory.h"
 #include "cli/output.h"
+#include "core/parallel.h"
 #include "selvage/core/error.h"
-#include "selvage/core/parallel.h"
+#include "selvage/io/vtu.h"
 #include "selvage/mesh/simplex_mesh.h"
 
 #include <fmt/format.h>
@@ -39,7 +40,7 @@ constexpr const char* kCheckExample =
     "without collisions. The .vtu file holds the surface with the number of each triangle's pairs in `collisions`.";
 
 /// The triangles that are checked: a surface's own, or the boundary of a tetrahedral mesh.
-TriangleMesh surface_of(MeshFile& file) {
+TriangleMesh surface_of(IndexedMesh& file) {
   const auto vertex_count = static_cast<Index>(file.positions.size());
   if (file.tetrahedra.empty()) return {vertex_count, std::move(file.triangles)};
   const TetMesh mesh(vertex_count, std::move(file.tetrahedra));
@@ -48,8 +49,8 @@ TriangleMesh surface_of(MeshFile& file) {
 
 /// Reads the mesh, and with `--to` beside it the positions at the end of the step: of a mesh that is the same but for
 /// them.
-std::pair<MeshFile, std::vector<Vec3>> read_poses(const CheckOptions& options) {
-  MeshFile start, end;
+std::pair<IndexedMesh, std::vector<Vec3>> read_poses(const CheckOptions& options) {
+  IndexedMesh start, end;
   if (options.end_mesh.empty()) return {read_mesh(options.mesh), {}};
   std::exception_ptr wrong_with_end;  // said only where nothing is wrong with the start
   parallel_invoke([&] { start = read_mesh(options.mesh); },
@@ -92,7 +93,7 @@ class CheckProgress {
   double from_ = 0, to_ = 0;
 };
 
-CollisionReport find_collisions(const CheckOptions& options, MeshFile file, std::span<const Vec3> end,
+CollisionReport find_collisions(const CheckOptions& options, IndexedMesh file, std::span<const Vec3> end,
                                 Stopwatch& watch) {
   CollisionReport report;
   report.mesh = options.mesh;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "cli/console.h"
-#include "selvage/mesh/mesh_file.h"
+#include "selvage/io/vtu.h"
 #include "selvage/self_collision/continuous_collision.h"
 
 #include <string>

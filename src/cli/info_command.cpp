@@ -36,7 +36,7 @@ constexpr const char* kInfoExample =
     "around an overwound ridge the elements turn more than once. What that means for shortest paths is said in "
     "docs/boundary_path.md.";
 
-std::int64_t count_unused(const MeshFile& file) {
+std::int64_t count_unused(const IndexedMesh& file) {
   std::vector<char> used(file.positions.size(), 0);
   for (const auto& element : file.tetrahedra) {
     for (const Index v : element) used[v] = 1;
@@ -55,7 +55,7 @@ void describe_simplices(const SimplexMesh<D>& mesh, std::span<const Vec<D>> posi
   info["boundary_ridges"] = mesh.boundary_ridges().size();
   info["boundary_vertices"] = mesh.boundary_vertices().size();
   info["boundary_components"] = count_boundary_components(mesh);
-  const PoseDefects defects = BoundaryPathFinder<D>(mesh, positions).defects();
+  const MeshDefects defects = BoundaryPathFinder<D>(mesh, positions).defects();
   info["inverted_elements"] = defects.inverted_elements;
   info["degenerate_elements"] = defects.degenerate_elements;
   info["overwound_interior_ridges"] = defects.overwound_interior_ridges;
@@ -68,7 +68,7 @@ bool is_degenerate(const Vec3& a, const Vec3& b, const Vec3& c) {
   return flat(0, 1) && flat(1, 2) && flat(2, 0);
 }
 
-void describe_surface(const MeshFile& file, Json& info) {
+void describe_surface(const IndexedMesh& file, Json& info) {
   const TriangleMesh mesh(static_cast<Index>(file.positions.size()), file.triangles);
   std::int64_t border = 0, non_manifold = 0, degenerate = 0;
   for (Index e = 0; e < mesh.edge_count(); ++e) {
@@ -89,7 +89,7 @@ void describe_surface(const MeshFile& file, Json& info) {
   }
 }
 
-void describe_shape(const MeshFile& file, bool solid, Json& info) {
+void describe_shape(const IndexedMesh& file, bool solid, Json& info) {
   Vec3 lower = file.positions[0], upper = lower;
   for (const Vec3& p : file.positions) {
     lower = lower.cwiseMin(p);
@@ -143,7 +143,7 @@ void run_info(const InfoOptions& options) {
   take_large_pages();
   OutputFiles outputs;
   outputs.expect(options.common.json, files_of_mesh(options.mesh));
-  const MeshFile file = read_mesh(options.mesh);
+  const IndexedMesh file = read_mesh(options.mesh);
   watch.lap("read");
 
   const bool solid = !file.tetrahedra.empty();

@@ -4,8 +4,8 @@
 #include "cli/output.h"
 #include "cli/pose_argument.h"
 #include "selvage/core/error.h"
-#include "selvage/mesh/mesh_file.h"
-#include "selvage/mesh/shapes.h"
+#include "selvage/io/mesh_file.h"
+#include "selvage/shapes/shapes.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -83,7 +83,7 @@ void run_make(MakeOptions& options) {
 
   set_size(options);
   const std::string name = shape_name(options);
-  MeshFile mesh = make_shape(name, options.measures);
+  IndexedMesh mesh = make_shape(name, options.measures);
   watch.lap("make");
   for (const PoseArgument& pose : poses) apply_pose(mesh, pose.name, pose.options);
   watch.lap("pose");

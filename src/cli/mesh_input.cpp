@@ -4,7 +4,7 @@
 
 namespace selvage::cli {
 
-bool is_planar(const MeshFile& mesh) {
+bool is_planar(const IndexedMesh& mesh) {
   return mesh.tetrahedra.empty() &&
          std::all_of(mesh.positions.begin(), mesh.positions.end(), [](const Vec3& p) { return p[2] == 0; });
 }

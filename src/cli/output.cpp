@@ -117,7 +117,7 @@ void OutputFiles::write_file(const std::string& path, const std::function<void(c
   write_under_name(path, stage(path), write);
 }
 
-void OutputFiles::write_mesh(const std::string& path, const MeshFile& mesh, FileEncoding encoding) {
+void OutputFiles::write_mesh(const std::string& path, const IndexedMesh& mesh, FileEncoding encoding) {
   const auto write = [&](const fs::path& to) { selvage::write_mesh(to, mesh, encoding); };
   if (is_special(path)) return write_under_name(path, path, write);
   const fs::path staged = stage(path);

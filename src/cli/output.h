@@ -1,7 +1,7 @@
 #pragma once
 
 #include "cli/command.h"
-#include "selvage/mesh/mesh_file.h"
+#include "selvage/io/mesh_file.h"
 
 #include <filesystem>
 #include <functional>
@@ -36,7 +36,7 @@ class OutputFiles {
   void write_file(const std::string& path, const std::function<void(const std::filesystem::path&)>& write);
 
   /// The same for a mesh; both files of a TetGen pair.
-  void write_mesh(const std::string& path, const MeshFile& mesh, FileEncoding encoding = FileEncoding::kUsual);
+  void write_mesh(const std::string& path, const IndexedMesh& mesh, FileEncoding encoding = FileEncoding::kUsual);
 
   /// Writes text to its place: standard output and devices at once, a file when commit() is called.
   /// @throws Failure  when it cannot be written

@@ -115,7 +115,7 @@ void answer(const BoundaryPathFinder<D>& finder, const SimplexMesh<D>& mesh, con
 }
 
 template <int D>
-auto take_input(const MeshFile& file) {
+auto take_input(const IndexedMesh& file) {
   if constexpr (D == 3) {
     return std::pair(file.tetrahedra, file.positions);
   } else {
@@ -126,7 +126,7 @@ auto take_input(const MeshFile& file) {
 }  // namespace
 
 template <int D>
-SearchResult search_paths(const MeshFile& file, const SearchRequest& request, Stopwatch& watch) {
+SearchResult search_paths(const IndexedMesh& file, const SearchRequest& request, Stopwatch& watch) {
   auto [elements, positions] = take_input<D>(file);
   const SimplexMesh<D> mesh(static_cast<Index>(positions.size()), std::move(elements));
   watch.lap("topology");
@@ -151,7 +151,7 @@ SearchResult search_paths(const MeshFile& file, const SearchRequest& request, St
   return result;
 }
 
-template SearchResult search_paths<2>(const MeshFile&, const SearchRequest&, Stopwatch&);
-template SearchResult search_paths<3>(const MeshFile&, const SearchRequest&, Stopwatch&);
+template SearchResult search_paths<2>(const IndexedMesh&, const SearchRequest&, Stopwatch&);
+template SearchResult search_paths<3>(const IndexedMesh&, const SearchRequest&, Stopwatch&);
 
 }  // namespace selvage::cli

@@ -19,7 +19,7 @@ struct SearchRequest {
 /// The answers, and what belongs to the mesh that they are for.
 struct SearchResult {
   PathTable table;
-  PoseDefects defects;
+  MeshDefects defects;
   std::int64_t element_count = 0;
   std::vector<VertexTuple<3>> surface;  ///< boundary triangles; in the plane, all triangles
   std::vector<VertexTuple<2>> outline;  ///< boundary edges in the plane
@@ -28,9 +28,9 @@ struct SearchResult {
 /// Finds the shortest paths in a mesh in space (D = 3) or in the plane (D = 2); `watch` gets the phases' times.
 /// @throws Error  for a mesh or a points file that is not legal
 template <int D>
-SearchResult search_paths(const MeshFile& file, const SearchRequest& request, Stopwatch& watch);
+SearchResult search_paths(const IndexedMesh& file, const SearchRequest& request, Stopwatch& watch);
 
-extern template SearchResult search_paths<2>(const MeshFile&, const SearchRequest&, Stopwatch&);
-extern template SearchResult search_paths<3>(const MeshFile&, const SearchRequest&, Stopwatch&);
+extern template SearchResult search_paths<2>(const IndexedMesh&, const SearchRequest&, Stopwatch&);
+extern template SearchResult search_paths<3>(const IndexedMesh&, const SearchRequest&, Stopwatch&);
 
 }  // namespace selvage::cli

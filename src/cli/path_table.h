@@ -1,7 +1,7 @@
 #pragma once
 
 #include "selvage/boundary_path/boundary_path.h"
-#include "selvage/mesh/mesh_file.h"
+#include "selvage/io/vtu.h"
 
 #include <string>
 

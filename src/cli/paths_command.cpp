@@ -77,7 +77,7 @@ void expect_outputs(const PathsOptions& options, OutputFiles& outputs) {
 }
 
 /// Whether the mesh is searched in the plane.
-bool choose_planar(const PathsOptions& options, const MeshFile& file) {
+bool choose_planar(const PathsOptions& options, const IndexedMesh& file) {
   const bool planar = is_planar(file);
   if (options.planar && !planar) throw Error(options.mesh, "does not lie in the plane z = 0", "leave --planar out");
   if (!planar && file.tetrahedra.empty()) {
@@ -123,14 +123,14 @@ std::string caption(const PathsOptions& options, const SearchResult& result, con
   return text;
 }
 
-Image draw(const PathsOptions& options, const MeshFile& file, const SearchResult& result, const PathTotals& totals) {
+Image draw(const PathsOptions& options, const IndexedMesh& file, const SearchResult& result, const PathTotals& totals) {
   std::vector<double> depth(file.positions.size(), -1);
   std::vector<DrawnPath> paths;
   for (const PathRow& row : result.table.rows) {
     if (options.points.empty()) depth[row.query] = std::max({depth[row.query], row.distance, 0.0});
     if (row.found()) paths.push_back({row.point, row.closest, row.distance});
   }
-  PathsScene scene{file.positions, result.surface, result.outline, depth, paths, caption(options, result, totals)};
+  PathsDrawing scene{file.positions, result.surface, result.outline, depth, paths, caption(options, result, totals)};
   PictureOptions picture;
   picture.width = options.picture_size[0];
   picture.height = options.picture_size[1];
@@ -153,7 +153,7 @@ void print_summary(const PathsOptions& options, const SearchResult& result, cons
                                      options.points.empty() ? "vertex" : "point", totals.deepest->query));
     table.add("median depth", fmt::format("{:.6g} m", totals.median));
   }
-  const PoseDefects& d = result.defects;
+  const MeshDefects& d = result.defects;
   if (d.inverted_elements + d.degenerate_elements > 0) {
     table.add("inverted, flat",
               fmt::format("{}, {} elements: answers that pass through them follow rules, not the proof",
@@ -181,7 +181,7 @@ void run_paths(const PathsOptions& options) {
   take_large_pages();
   OutputFiles outputs;
   expect_outputs(options, outputs);
-  const MeshFile file = read_mesh(options.mesh);
+  const IndexedMesh file = read_mesh(options.mesh);
   const bool planar = choose_planar(options, file);
   watch.lap("read");
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "selvage/mesh/poses.h"
+#include "selvage/shapes/poses.h"
 
 #include <string>
 #include <string_view>

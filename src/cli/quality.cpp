@@ -1,6 +1,6 @@
 #include "cli/quality.h"
 
-#include "selvage/core/parallel.h"
+#include "core/parallel.h"
 
 #include <Eigen/Geometry>
 

@@ -4,8 +4,8 @@
 #include "cli/output.h"
 #include "cli/vertex_list.h"
 #include "selvage/core/error.h"
-#include "selvage/mesh/mesh_file.h"
-#include "selvage/simulation/resolve.h"
+#include "selvage/io/mesh_file.h"
+#include "selvage/untangling/resolve.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -32,20 +32,20 @@ constexpr const char* kResolveExample =
 
 constexpr std::size_t kListed = 8;
 
-MeshFile read_solid(const std::string& path) {
-  MeshFile mesh = read_mesh(path);
+IndexedMesh read_solid(const std::string& path) {
+  IndexedMesh mesh = read_mesh(path);
   if (mesh.tetrahedra.empty()) throw Error(path, "there is no tetrahedron", "give a mesh of tetrahedra");
   return mesh;
 }
 
-std::vector<Vec3> read_rest(const std::string& path, const MeshFile& mesh) {
-  MeshFile rest = read_solid(path);
+std::vector<Vec3> read_rest(const std::string& path, const IndexedMesh& mesh) {
+  IndexedMesh rest = read_solid(path);
   if (rest.positions.size() != mesh.positions.size() || rest.tetrahedra != mesh.tetrahedra)
     throw Error(path, "has other vertices or elements than the mesh", "give the same mesh in another pose");
   return std::move(rest.positions);
 }
 
-std::vector<Index> find_pinned(const ResolveCommandOptions& options, const MeshFile& mesh) {
+std::vector<Index> find_pinned(const ResolveCommandOptions& options, const IndexedMesh& mesh) {
   const auto count = static_cast<Index>(mesh.positions.size());
   std::vector<Index> pinned;
   if (!options.pin.empty()) pinned = read_vertices(options.pin, count);
@@ -164,7 +164,7 @@ std::string failure_of(const ResolveCommandOptions& options, const ResolveReport
                      penetrations(last), elements.size(), listed(elements), pins);
 }
 
-ResolveReport resolve(ResolveCommandOptions& options, MeshFile& mesh) {
+ResolveReport resolve(ResolveCommandOptions& options, IndexedMesh& mesh) {
   ProgressBar progress("resolve", options.common.quiet);
   double first = 0;
   options.limits.on_iteration = [&](const ResolveIteration& row) {
@@ -194,7 +194,7 @@ void run_resolve(ResolveCommandOptions& options) {
   if (!(options.limits.clearance > 0 && options.limits.clearance < 1))
     throw Error("--clearance", fmt::format("is {}", options.limits.clearance), "give a number between 0 and 1");
 
-  MeshFile mesh = read_solid(options.mesh);
+  IndexedMesh mesh = read_solid(options.mesh);
   check_format_holds(options.output, mesh);
   if (!options.rest.empty()) options.limits.rest_positions = read_rest(options.rest, mesh);
   options.limits.pinned = find_pinned(options, mesh);

@@ -2,7 +2,7 @@
 #include "cli/console.h"
 #include "cli/output.h"
 #include "selvage/core/error.h"
-#include "selvage/simulation/run.h"
+#include "selvage/scene/run.h"
 
 #include <fmt/format.h>
 

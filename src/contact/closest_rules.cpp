@@ -1,7 +1,7 @@
 #include "contact/closest_rules.h"
 
-#include "selvage/bvh/traverse.h"
-#include "selvage/core/parallel.h"
+#include "bvh/traverse.h"
+#include "core/parallel.h"
 #include "selvage/geometry/closest_point.h"
 
 #include <algorithm>

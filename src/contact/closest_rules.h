@@ -1,7 +1,7 @@
 #pragma once
 
+#include "bvh/bvh.h"
 #include "contact/contact_parts.h"
-#include "selvage/bvh/bvh.h"
 
 namespace selvage {
 

@@ -3,13 +3,13 @@
 #include "contact/closest_rules.h"
 #include "contact/contact_parts.h"
 #include "contact/impact_contacts.h"
+#include "contact/inverted_vertices.h"
 #include "contact/penetration_search.h"
 #include "contact/tangles.h"
-#include "contact/turned_vertices.h"
+#include "core/parallel.h"
 #include "core/timed.h"
 #include "mesh/position_extent.h"
 #include "selvage/core/error.h"
-#include "selvage/core/parallel.h"
 
 #include <fmt/format.h>
 
@@ -64,7 +64,7 @@ struct ContactFinder::State {
   std::vector<Index> inside;  ///< features of the search that penetrate at the start of the step
   std::vector<std::uint8_t> is_inside;
   std::vector<Index> inside_vertices, inside_edges;
-  TurnedVertices turned;      ///< at the start of the step
+  InvertedVertices turned;    ///< at the start of the step
   std::vector<Index> pieces;  ///< connected component of each element; where whole tangles wait
   ContactStatistics statistics;
   bool has_begun = false;  ///< any step
@@ -120,8 +120,8 @@ void ContactFinder::State::begin_step(std::span<const Vec3> positions) {
   positions_t0.assign(positions.begin(), positions.end());
   if (splits()) split_features();
   if (!options.wait_for_inverted) return;
-  turned = splits() ? TurnedVertices(mesh, positions_t0, search->paths().defective_elements())
-                    : TurnedVertices(mesh, positions_t0);
+  turned = splits() ? InvertedVertices(mesh, positions_t0, search->paths().defective_elements())
+                    : InvertedVertices(mesh, positions_t0);
 }
 
 void ContactFinder::State::split_features() {

@@ -1,9 +1,9 @@
 #include "contact/penetration_search.h"
 
+#include "boundary_path/injectivity/star_proof.h"
 #include "contact/contact_parts.h"
 #include "contact/edge_part.h"
-#include "contact/star_proof.h"
-#include "selvage/core/parallel.h"
+#include "core/parallel.h"
 #include "selvage/geometry/predicates.h"
 
 #include <algorithm>
@@ -108,7 +108,7 @@ void PenetrationSearch::suspect_defects() {
 /// Of some vertices those around which elements may overlap, though all were positive. That a vertex is settled costs
 /// nothing to know; of those that are not, at creases and in hollows, nearly all can be proven element by element.
 std::vector<Index> PenetrationSearch::find_overlapping_stars(std::vector<Index> vertices) const {
-  std::erase_if(vertices, [&](Index v) { return paths_.settled_vertices()[v] != 0; });
+  std::erase_if(vertices, [&](Index v) { return paths_.locally_injective_vertices()[v] != 0; });
   Flags is_apart(vertices.size(), 0);
   parallel_for(std::ssize(vertices), kStarsAtOnce,
                [&](std::int64_t i) { is_apart[i] = is_star_proven_apart(mesh_, positions_, vertices[i]); });

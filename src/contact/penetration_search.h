@@ -23,11 +23,11 @@ struct PointInside {
 ///
 /// Boundary features are numbered: first boundary vertices in their order, then edges of the surface.
 ///
-/// Only what lies near a crossing of the boundary with itself is looked at. Walk along an edge that is in another place
-/// of the material, too, and follow that place: either it comes to the boundary, which the edge then crosses, or the
-/// edge's end is inside as well. So starting from the faces that meet others, and going on from each vertex that is
-/// found inside to the faces around it, everything is reached, but for what lies at elements that are inside out, or at
-/// vertices whose elements may overlap each other: there all is looked at. See docs/contact.md.
+/// Only what lies near a crossing of the boundary with itself is looked at. TetTraversal along an edge that is in
+/// another place of the material, too, and follow that place: either it comes to the boundary, which the edge then
+/// crosses, or the edge's end is inside as well. So starting from the faces that meet others, and going on from each
+/// vertex that is found inside to the faces around it, everything is reached, but for what lies at elements that are
+/// inside out, or at vertices whose elements may overlap each other: there all is looked at. See docs/contact.md.
 class PenetrationSearch {
  public:
   /// @param with_edges  whether edges are features, too

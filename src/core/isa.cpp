@@ -1,4 +1,4 @@
-#include "selvage/core/isa.h"
+#include "core/isa.h"
 
 #include <algorithm>
 #include <cstdlib>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "selvage/core/parallel.h"
+#include "core/parallel.h"
 #include "selvage/core/types.h"
 
 #include <tbb/global_control.h>

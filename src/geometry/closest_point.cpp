@@ -1,11 +1,13 @@
 #include "selvage/geometry/closest_point.h"
 
+#include "geometry/orientation_filter.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "geometry/exact_integer.h"
+#include "geometry/exact/exact_integer.h"
 #include "selvage/geometry/predicates.h"
 
 namespace selvage {

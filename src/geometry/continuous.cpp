@@ -5,7 +5,8 @@
 #include <bit>
 #include <cmath>
 
-#include "geometry/continuous_exact.h"
+#include "geometry/exact/continuous_exact.h"
+#include "geometry/motion_filter.h"
 
 namespace selvage {
 
@@ -80,7 +81,7 @@ class TimeHalving {
   }
 
   Certainty decide(const TimePart& part) {
-    parts_left_ = kMostParts;
+    parts_left_ = kMaxParts;
     return is_doubtful_at_start(part) ? Certainty::kUnknown : decide_part(part);
   }
 
@@ -90,7 +91,7 @@ class TimeHalving {
     int step;
   };
   FirstMeeting first_meeting(const TimePart& part) {
-    parts_left_ = kMostParts;
+    parts_left_ = kMaxParts;
     return is_doubtful_at_start(part) ? FirstMeeting{Certainty::kUnknown, 0} : first_in(part);
   }
 
@@ -100,7 +101,7 @@ class TimeHalving {
   }
 
  private:
-  static constexpr int kMostParts = 64;
+  static constexpr int kMaxParts = 64;
 
   ContinuousPair pair_;
   const MovingPoints& points_;
@@ -262,6 +263,18 @@ std::optional<double> vertex_face_impact(const MovingPoints& points, double befo
 std::optional<double> edge_edge_impact(const MovingPoints& points, double before) {
   if (detail::apart_on_an_axis<2>(points)) return std::nullopt;
   return first_impact(ContinuousPair::kEdgeEdge, points, before);
+}
+
+bool vertex_meets_face(const MovingPoints& points) {
+  if (detail::apart_on_an_axis<1>(points)) return false;
+  const detail::VolumeOverTime volume = detail::volume_over_time(points);
+  return !detail::never_zero(volume) && detail::vertex_meets_face_undecided(points, volume);
+}
+
+bool edge_meets_edge(const MovingPoints& points) {
+  if (detail::apart_on_an_axis<2>(points)) return false;
+  const detail::VolumeOverTime volume = detail::volume_over_time(points);
+  return !detail::never_zero(volume) && detail::edge_meets_edge_undecided(points, volume);
 }
 
 }  // namespace selvage

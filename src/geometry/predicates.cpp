@@ -1,6 +1,7 @@
 #include "selvage/geometry/predicates.h"
 
-#include "geometry/exact_orientation.h"
+#include "geometry/exact/exact_orientation.h"
+#include "geometry/orientation_filter.h"
 
 namespace selvage {
 
@@ -32,6 +33,25 @@ int orient3d_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 }
 
 }  // namespace detail
+
+int orient2d(const Vec2& a, const Vec2& b, const Vec2& c) {
+  const int sign = detail::filter_sign_of_det(b - a, c - a);
+  return sign != 0 ? sign : detail::orient2d_exact(a, b, c);
+}
+
+int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  const Vec3 u = b - a, v = c - a, w = d - a;
+  const int sign = detail::filter_sign_of_det(u, detail::cross_with_bound(v, w));
+  return sign != 0 ? sign : detail::orient3d_exact(a, b, c, d);
+}
+
+int orientation(const std::array<Vec2, 3>& simplex) {
+  return orient2d(simplex[0], simplex[1], simplex[2]);
+}
+
+int orientation(const std::array<Vec3, 4>& simplex) {
+  return orient3d(simplex[0], simplex[1], simplex[2], simplex[3]);
+}
 
 namespace {
 

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/exact_integer.h"
+#include "geometry/exact/exact_integer.h"
 #include "geometry/flat_contact.h"
+#include "geometry/triangle_filter.h"
 #include "selvage/geometry/predicates.h"
 
 namespace selvage {
@@ -219,5 +220,27 @@ bool meet_beyond_edge_exact(const Triangle& a, const Triangle& b) {
 }
 
 }  // namespace detail
+
+bool triangles_meet(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
+  const detail::Heights of_b = detail::heights_over(a, b);
+  if (detail::on_one_side<0>(of_b)) return false;
+  const detail::Heights of_a = detail::heights_over(b, a);
+  if (detail::on_one_side<0>(of_a)) return false;
+  return detail::triangles_meet_exact(a, b, of_a, of_b);
+}
+
+bool meet_beyond_vertex(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
+  const detail::Heights of_b = detail::heights_over(a, b);
+  if (detail::on_one_side<1>(of_b)) return false;
+  const detail::Heights of_a = detail::heights_over(b, a);
+  if (detail::on_one_side<1>(of_a)) return false;
+  return detail::meet_beyond_vertex_exact(a, b, of_a, of_b);
+}
+
+bool meet_beyond_edge(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
+  const detail::Heights of_b = detail::heights_over(a, {b[2], b[2], b[2]});
+  if (detail::on_one_side<2>(of_b)) return false;
+  return detail::meet_beyond_edge_exact(a, b);
+}
 
 }  // namespace selvage

@@ -1,9 +1,9 @@
 #include "selvage/mesh/simplex_mesh.h"
 
+#include "core/parallel.h"
 #include "mesh/tuple_check.h"
 #include "mesh/vertex_stars.h"
 #include "selvage/core/error.h"
-#include "selvage/core/parallel.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,8 +1,8 @@
 #include "selvage/mesh/triangle_mesh.h"
 
+#include "core/parallel.h"
 #include "mesh/tuple_check.h"
 #include "mesh/vertex_stars.h"
-#include "selvage/core/parallel.h"
 
 #include <algorithm>
 #include <atomic>

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "core/parallel.h"
 #include "selvage/core/error.h"
-#include "selvage/core/parallel.h"
 #include "selvage/core/types.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "selvage/core/parallel.h"
+#include "core/parallel.h"
 #include "selvage/core/types.h"
 
 #include <algorithm>
@@ -14,9 +14,9 @@ namespace selvage {
 template <int N>
 void build_vertex_stars(Index vertex_count, std::span<const VertexTuple<N>> tuples, std::vector<Index>& items,
                         std::vector<Index>& first) {
-  constexpr std::int64_t kTuplesAtOnce = 1 << 17, kMostPieces = 8;
+  constexpr std::int64_t kTuplesAtOnce = 1 << 17, kMaxPieces = 8;
   const std::int64_t count = std::ssize(tuples),
-                     pieces = std::clamp(count / kTuplesAtOnce, std::int64_t{1}, kMostPieces);
+                     pieces = std::clamp(count / kTuplesAtOnce, std::int64_t{1}, kMaxPieces);
   first.resize(static_cast<std::size_t>(vertex_count) + 1);
   items.resize(tuples.size() * N);
   std::vector<std::vector<Index>> next(pieces);  // per piece and vertex: how many, then where the next goes

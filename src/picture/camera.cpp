@@ -39,16 +39,16 @@ void Camera::choose_axes(std::span<const Vec3> points, const std::optional<Vec3>
   Vec3 centre = Vec3::Zero();
   for (const Vec3& p : points) centre += p / static_cast<double>(points.size());
   Vec3 up = Vec3::UnitZ();
-  Vec3 to_eye(0.45, -0.8, 0.4);
+  Vec3 to_query_point(0.45, -0.8, 0.4);
   if (towards && towards->norm() > 0) {
-    to_eye = *towards;
+    to_query_point = *towards;
   } else if (const Axes axes = principal_axes(points, centre); axes.clear) {
     const Vec3 face = choose_sign(axes.thinnest), along = choose_sign(axes.widest);
     up = face.cross(along);
     if (up[2] < -0.1 || (std::abs(up[2]) <= 0.1 && up[1] < 0)) up = -up;
-    to_eye = face + 0.35 * up;
+    to_query_point = face + 0.35 * up;
   }
-  forward_ = -to_eye.normalized();
+  forward_ = -to_query_point.normalized();
   if (forward_.cross(up).norm() < 1e-3) up = Vec3::UnitY();
   right_ = forward_.cross(up).normalized();
   down_ = forward_.cross(right_);
@@ -63,11 +63,11 @@ Camera::Camera(std::span<const Vec3> points, const std::optional<Vec3>& towards,
   }
   const Vec3 centre = (lower + upper) / 2;
   radius_ = std::max((upper - lower).norm() / 2, 1e-300);
-  eye_ = centre - kEyeDistance * radius_ * forward_;
+  query_point_ = centre - kEyeDistance * radius_ * forward_;
 
   double left = INFINITY, right = -INFINITY, top = INFINITY, bottom = -INFINITY;
   for (const Vec3& p : points) {
-    const Vec3 d = rotate(p - eye_);
+    const Vec3 d = rotate(p - query_point_);
     left = std::min(left, d[0] / d[2]);
     right = std::max(right, d[0] / d[2]);
     top = std::min(top, d[1] / d[2]);
@@ -80,7 +80,7 @@ Camera::Camera(std::span<const Vec3> points, const std::optional<Vec3>& towards,
 }
 
 Vec3 Camera::project(const Vec3& p) const {
-  const Vec3 d = rotate(p - eye_);
+  const Vec3 d = rotate(p - query_point_);
   return {centre_x_ + focal_ * d[0] / d[2], centre_y_ + focal_ * d[1] / d[2], d[2]};
 }
 

@@ -37,7 +37,7 @@ class Camera {
  private:
   void choose_axes(std::span<const Vec3> points, const std::optional<Vec3>& towards);
 
-  Vec3 right_, down_, forward_, eye_;
+  Vec3 right_, down_, forward_, query_point_;
   double focal_ = 1, radius_ = 1;
   double centre_x_ = 0, centre_y_ = 0;
 };

@@ -1,7 +1,7 @@
 #include "picture/composition.h"
 
+#include "core/parallel.h"
 #include "picture/shading.h"
-#include "selvage/core/parallel.h"
 
 #include <algorithm>
 

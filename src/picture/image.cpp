@@ -1,7 +1,7 @@
 #include "picture/image.h"
 
+#include "core/parallel.h"
 #include "selvage/core/error.h"
-#include "selvage/core/parallel.h"
 
 #include <png.h>
 

@@ -14,11 +14,11 @@ namespace selvage {
 
 namespace {
 
-constexpr std::size_t kMostPaths = 1200;  // more lines than this hide each other
-constexpr double kWireframePixels = 9;    // triangles smaller than this are drawn without their edges
-constexpr double kFeatureSize = 0.012;    // of the scene's radius: the smallest step drawn as an outline
+constexpr std::size_t kMaxPaths = 1200;  // more lines than this hide each other
+constexpr double kWireframePixels = 9;   // triangles smaller than this are drawn without their edges
+constexpr double kFeatureSize = 0.012;   // of the scene's radius: the smallest step drawn as an outline
 
-std::vector<Vec3> used_positions(const PathsScene& scene) {
+std::vector<Vec3> used_positions(const PathsDrawing& scene) {
   std::vector<char> used(scene.positions.size(), 0);
   for (const auto& triangle : scene.surface) {
     for (const Index v : triangle) used[v] = 1;
@@ -42,7 +42,7 @@ std::vector<VertexTuple<3>> corner_triangles(std::size_t count, const Test& test
   return triangles;
 }
 
-double mean_edge_pixels(const PathsScene& scene, const Camera& camera) {
+double mean_edge_pixels(const PathsDrawing& scene, const Camera& camera) {
   double sum = 0;
   for (const auto& [a, b, c] : scene.surface) {
     const Vec3 p = camera.project(scene.positions[a]), q = camera.project(scene.positions[b]);
@@ -51,7 +51,7 @@ double mean_edge_pixels(const PathsScene& scene, const Camera& camera) {
   return sum / static_cast<double>(scene.surface.size());
 }
 
-PictureContent make_content(const PathsScene& scene, const PictureOptions& options, const Camera& camera,
+PictureContent make_content(const PathsDrawing& scene, const PictureOptions& options, const Camera& camera,
                             double deepest) {
   std::vector<double> value(scene.vertex_depth.begin(), scene.vertex_depth.end());
   for (double& v : value) v = v < 0 ? -1 : v / deepest;
@@ -79,9 +79,9 @@ Stroke place_stroke(const Camera& camera, const Vec3& from, const Vec3& to, floa
 }
 
 /// Draws the paths from the farthest to the nearest, each a bright line with a dark rim and a dot at its inner end.
-void draw_path_lines(Image& image, const PathsScene& scene, const Camera& camera, double deepest) {
+void draw_path_lines(Image& image, const PathsDrawing& scene, const Camera& camera, double deepest) {
   std::vector<DrawnPath> drawn;
-  const std::size_t step = (scene.paths.size() + kMostPaths - 1) / kMostPaths;
+  const std::size_t step = (scene.paths.size() + kMaxPaths - 1) / kMaxPaths;
   for (std::size_t i = 0; i < scene.paths.size(); i += std::max<std::size_t>(step, 1)) drawn.push_back(scene.paths[i]);
   std::stable_sort(drawn.begin(), drawn.end(), [&](const DrawnPath& a, const DrawnPath& b) {
     return camera.project(a.from)[2] > camera.project(b.from)[2];
@@ -107,7 +107,7 @@ void check_options(const PictureOptions& options) {
 
 }  // namespace
 
-Image draw_paths(const PathsScene& scene, const PictureOptions& options) {
+Image draw_paths(const PathsDrawing& scene, const PictureOptions& options) {
   check_options(options);
   const double width = options.width, height = options.height;
   const Frame frame{0.04 * width, 0.05 * height, 0.87 * width, 0.91 * height};

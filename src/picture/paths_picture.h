@@ -15,7 +15,7 @@ struct DrawnPath {
 };
 
 /// What a picture of shortest paths shows.
-struct PathsScene {
+struct PathsDrawing {
   std::span<const Vec3> positions;          ///< of all vertices [m]
   std::span<const VertexTuple<3>> surface;  ///< boundary triangles; of a planar mesh its elements
   std::span<const VertexTuple<2>> outline;  ///< boundary edges of a planar mesh; empty in space
@@ -34,6 +34,6 @@ struct PictureOptions {
 ///
 /// A scale beside the picture tells depths. The same scene gives the same picture for any number of threads.
 /// @throws Error  when the scene has no vertex or the picture's size is not between 64 and 8192 pixels
-Image draw_paths(const PathsScene& scene, const PictureOptions& options = {});
+Image draw_paths(const PathsDrawing& scene, const PictureOptions& options = {});
 
 }  // namespace selvage

@@ -1,6 +1,6 @@
 #include "picture/shading.h"
 
-#include "selvage/core/parallel.h"
+#include "core/parallel.h"
 
 #include <algorithm>
 #include <cmath>

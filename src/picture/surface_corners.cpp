@@ -1,6 +1,6 @@
 #include "picture/surface_corners.h"
 
-#include "selvage/core/parallel.h"
+#include "core/parallel.h"
 
 #include <Eigen/Geometry>
 

@@ -9,26 +9,6 @@ namespace selvage {
 
 namespace {
 
-void check_number(const Body& body, std::string_view name, double value, bool is_good, std::string_view range) {
-  if (!is_good || !std::isfinite(value))
-    throw Error(fmt::format("body '{}'", body.name), fmt::format("its {} is {}", name, value),
-                fmt::format("give a number {}", range));
-}
-
-void check_material(const Body& body) {
-  const Material& m = body.material;
-  check_number(body, "density", m.density, m.density > 0, "above 0");
-  check_number(body, "damping", m.damping, m.damping >= 0, "that is not negative");
-  if (m.kind == MaterialKind::kNeoHookean) {
-    check_number(body, "Young's modulus", m.youngs_modulus, m.youngs_modulus > 0, "above 0");
-    check_number(body, "Poisson's ratio", m.poisson_ratio, m.poisson_ratio >= 0 && m.poisson_ratio < 0.5,
-                 "of at least 0 and below 0.5");
-  } else {
-    check_number(body, "edge compliance", m.edge_compliance, m.edge_compliance >= 0, "that is not negative");
-    check_number(body, "volume compliance", m.volume_compliance, m.volume_compliance >= 0, "that is not negative");
-  }
-}
-
 void check_size(std::string_view what, std::size_t size, Index vertex_count) {
   if (size != static_cast<std::size_t>(vertex_count))
     throw Error(what, fmt::format("{} entries for {} vertices", size, vertex_count), "give one per vertex");
@@ -53,7 +33,7 @@ void check_bodies(const Model& model) {
       for (const Index v : model.mesh.elements()[e])
         if (v < body.first_vertex || v - body.first_vertex >= body.vertex_count)
           throw Error(fmt::format("element {}", e), fmt::format("vertex {} is not of its body '{}'", v, body.name));
-    check_material(body);
+    check_material(fmt::format("body '{}'", body.name), body.material);
   }
   if (next != model.mesh.element_count())
     throw Error(fmt::format("element {}", next), "is of no body", "let bodies cover all elements");

@@ -1,6 +1,6 @@
 #include "boundary_path/compare.h"
 
-#include "selvage/core/parallel.h"
+#include "core/parallel.h"
 
 #include <fmt/format.h>
 

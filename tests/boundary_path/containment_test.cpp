@@ -1,9 +1,9 @@
 // Elements that hold points, against all pairs: groups of every size, points on every feature, every instruction set.
-#include "boundary_path/containment.h"
+#include "boundary_path/location/containment.h"
 
 #include "boundary_path/compare.h"
-#include "boundary_path/group_order.h"
-#include "selvage/core/isa.h"
+#include "boundary_path/location/group_order.h"
+#include "core/isa.h"
 #include "selvage/geometry/predicates.h"
 #include "test_scale.h"
 
@@ -184,7 +184,8 @@ void settled_vertices_are_covered_once(std::size_t number) {
   families::Random random(200 + number);
   for (Index v = 0; v < subject.mesh.vertex_count(); ++v) {
     const auto around = subject.mesh.vertex_elements(v);
-    if (finder.settled_vertices()[v] == 0 || std::ranges::find_first_of(around, defective) != around.end()) continue;
+    if (finder.locally_injective_vertices()[v] == 0 || std::ranges::find_first_of(around, defective) != around.end())
+      continue;
     for (const Index e : around) {
       Vec<D> p = Vec<D>::Zero();
       double sum = 0;
@@ -203,7 +204,7 @@ void settled_vertices_are_covered_once(std::size_t number) {
 using Found = std::vector<std::pair<Index, Index>>;
 
 template <int D>
-using Kernel = void (*)(const ContainmentScene<D>&, const PointBatch<D>&, std::vector<PointInElement>&);
+using Kernel = void (*)(const ContainmentInput<D>&, const PointBatch<D>&, std::vector<PointInElement>&);
 
 // All vertices in the order of their numbers, which is none of space, with no element as their own.
 template <int D>
@@ -213,13 +214,13 @@ void compare_kernels(std::size_t number) {
   const PathTopology<D> topology(mesh);
   Pose<D> pose(mesh, topology);
   pose.rebuild(subject.judge.positions());
-  const ContainmentScene<D> scene{pose.positions().data(), mesh.elements().data(), pose.rounded_positions().data(),
+  const ContainmentInput<D> input{pose.positions().data(), mesh.elements().data(), pose.rounded_positions().data(),
                                   pose.rounding(), pose.elements().nodes()};
   std::vector<Index> ids(mesh.vertex_count());
   std::iota(ids.begin(), ids.end(), 0);
   const OwnElements no_own{kBeyondAllNodes, {}};
-  const std::vector<const OwnElements*> own((ids.size() + kPointGroup - 1) / kPointGroup, &no_own);
-  const PointBatch<D> batch{scene.positions, scene.rounded, ids, own};
+  const std::vector<const OwnElements*> own((ids.size() + kPacketSize - 1) / kPacketSize, &no_own);
+  const PointBatch<D> batch{input.positions, input.rounded, ids, own};
 
   Found right;
   for (Index v : ids)
@@ -231,7 +232,7 @@ void compare_kernels(std::size_t number) {
   for (const auto& [isa, kernel] : kernels) {
     if (isa > active_isa()) continue;
     std::vector<PointInElement> pairs;
-    kernel(scene, batch, pairs);
+    kernel(input, batch, pairs);
     Found found;
     for (const auto& [point, element] : pairs) found.emplace_back(point, element);
     std::sort(found.begin(), found.end());
@@ -291,7 +292,7 @@ INSTANTIATE_TEST_SUITE_P(Families, SolidContainment, testing::Range<std::size_t>
                          families::family_name<3>);
 
 TEST(OrderInSpace, KeepsNeighboursInGroups) {
-  constexpr Index kCount = 40 * kPointGroup + 7;
+  constexpr Index kCount = 40 * kPacketSize + 7;
   std::vector<RoundedPosition> line(kCount);
   std::vector<Index> numbers(kCount);
   for (Index i = 0; i < kCount; ++i) {
@@ -300,7 +301,7 @@ TEST(OrderInSpace, KeepsNeighboursInGroups) {
   }
   order_in_space(line, numbers);
   for (Index i = 0; i < kCount; ++i)
-    EXPECT_EQ(static_cast<Index>(line[numbers[i]][1]) / kPointGroup, i / kPointGroup) << i;
+    EXPECT_EQ(static_cast<Index>(line[numbers[i]][1]) / kPacketSize, i / kPacketSize) << i;
 }
 
 TEST(OrderInSpace, TakesPointsAtOnePlace) {

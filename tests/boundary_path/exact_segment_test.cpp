@@ -1,5 +1,5 @@
 // Exact decisions about a segment and a face against rational arithmetic, on small integers: most cases are degenerate.
-#include "boundary_path/exact_segment.h"
+#include "boundary_path/traversal/exact_segment.h"
 
 #include "boundary_path/families.h"
 #include "boundary_path/rational.h"

@@ -1,6 +1,6 @@
 // What is said of faces in single precision must hold in double precision, for hostile triangles too.
-#include "boundary_path/face_view.h"
-#include "boundary_path/exact_segment.h"
+#include "boundary_path/packets/face_view.h"
+#include "boundary_path/traversal/exact_segment.h"
 #include "selvage/geometry/closest_point.h"
 #include "test_scale.h"
 

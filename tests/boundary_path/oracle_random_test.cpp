@@ -2,7 +2,7 @@
 #include "boundary_path/families.h"
 #include "boundary_path/oracle.h"
 #include "boundary_path/queries.h"
-#include "selvage/core/parallel.h"
+#include "core/parallel.h"
 #include "test_scale.h"
 
 #include <gtest/gtest.h>

@@ -28,7 +28,7 @@ BoundaryPath<D> path_of(const Pieces<D>& pieces, const Vec<D>& point) {
 }
 
 template <int D>
-PoseDefects defects_of(const Pieces<D>& pieces) {
+MeshDefects defects_of(const Pieces<D>& pieces) {
   const auto mesh = mesh_of(pieces);
   return BoundaryPathFinder<D>(mesh, pieces.positions).defects();
 }

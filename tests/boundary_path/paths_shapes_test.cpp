@@ -1,8 +1,8 @@
 // The library against the oracle on the shapes and poses that the program makes: the meshes of demos and benchmarks.
 #include "boundary_path/compare.h"
 #include "selvage/core/error.h"
-#include "selvage/mesh/poses.h"
-#include "selvage/mesh/shapes.h"
+#include "selvage/shapes/poses.h"
+#include "selvage/shapes/shapes.h"
 #include "test_scale.h"
 
 #include <gtest/gtest.h>
@@ -13,20 +13,20 @@ namespace {
 // Together about 40,000 queries.
 constexpr std::int64_t kShapeQueries = 40000;
 
-bool is_positive(const MeshFile& file) {
+bool is_positive(const IndexedMesh& file) {
   const oracle::Oracle<3> judge(file.positions, file.tetrahedra);
   return std::count(judge.orientations().begin(), judge.orientations().end(), 1) ==
          static_cast<std::ptrdiff_t>(file.tetrahedra.size());
 }
 
 // The example with as few elements as the shape can have and the pose can bend without inverting one.
-MeshFile coarse_example(const TangledExample& example) {
+IndexedMesh coarse_example(const TangledExample& example) {
   for (std::int64_t elements = 1200;; elements *= 2) {
     try {
       ShapeOptions options;
       options.elements = elements;
       if (example.shape == "squishy-ball") options.tentacles = 6;
-      MeshFile file = make_shape(example.shape, options);
+      IndexedMesh file = make_shape(example.shape, options);
       apply_pose(file, example.pose);
       if (file.tetrahedra.empty() || is_positive(file)) return file;
       if (elements > 50000) throw Error(example.shape, "inverted at any size tried");
@@ -41,7 +41,7 @@ class TangledShapePaths : public testing::TestWithParam<std::size_t> {};
 TEST_P(TangledShapePaths, AreThoseOfTheOracle) {
   const auto examples = tangled_examples();
   const auto& example = examples[GetParam()];
-  const MeshFile file = coarse_example(example);
+  const IndexedMesh file = coarse_example(example);
   if (file.tetrahedra.empty()) GTEST_SKIP() << "a surface";
   const families::Family<3> family{std::string(example.shape) + " " + std::string(example.pose),
                                    {file.positions, file.tetrahedra}};

@@ -1,6 +1,6 @@
-#include "selvage/bvh/box.h"
+#include "bvh/box.h"
 
-#include "test_boxes.h"
+#include "bvh/test_boxes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
-#include "selvage/bvh/bvh.h"
+#include "bvh/bvh.h"
 
+#include "bvh/test_boxes.h"
 #include "selvage/core/error.h"
-#include "test_boxes.h"
 
 #include <tbb/global_control.h>
 

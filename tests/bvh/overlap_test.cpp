@@ -1,8 +1,8 @@
-#include "selvage/bvh/overlap.h"
+#include "bvh/overlap.h"
 
+#include "bvh/test_boxes.h"
+#include "core/isa.h"
 #include "kernels/traverse_queries.h"
-#include "selvage/core/isa.h"
-#include "test_boxes.h"
 
 #include <tbb/global_control.h>
 

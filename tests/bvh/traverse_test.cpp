@@ -1,7 +1,7 @@
-#include "selvage/bvh/traverse.h"
+#include "bvh/traverse.h"
 
+#include "bvh/test_boxes.h"
 #include "kernels/traverse_queries.h"
-#include "test_boxes.h"
 
 #include <gtest/gtest.h>
 

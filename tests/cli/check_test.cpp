@@ -1,5 +1,5 @@
 #include "cli/program.h"
-#include "selvage/mesh/mesh_file.h"
+#include "selvage/io/mesh_file.h"
 #include "selvage/mesh/simplex_mesh.h"
 #include "selvage/self_collision/self_collision.h"
 
@@ -75,7 +75,7 @@ TEST_F(CheckTest, ExitStatusTellsWhetherThereAreCollisions) {
 TEST_F(CheckTest, TetrahedralMeshListsItsBoundary) {
   make_tangled();
   const json result = check("tangled.t", 1);
-  const MeshFile mesh = read_mesh(file("tangled.t"));
+  const IndexedMesh mesh = read_mesh(file("tangled.t"));
   const TetMesh topology(static_cast<Index>(mesh.positions.size()), mesh.tetrahedra);
   const std::vector<VertexTuple<3>> boundary(topology.boundary_faces().begin(), topology.boundary_faces().end());
   EXPECT_EQ(result["triangles"].get<std::vector<VertexTuple<3>>>(), boundary);

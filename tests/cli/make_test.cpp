@@ -1,7 +1,7 @@
 #include "cli/program.h"
-#include "selvage/mesh/mesh_file.h"
-#include "selvage/mesh/poses.h"
-#include "selvage/mesh/shapes.h"
+#include "selvage/io/mesh_file.h"
+#include "selvage/shapes/poses.h"
+#include "selvage/shapes/shapes.h"
 
 #include <nlohmann/json.hpp>
 
@@ -65,7 +65,7 @@ TEST_F(MakeTest, RodFollowsItsCurve) {
 
 TEST_F(MakeTest, OptionsReachTheShape) {
   run_well("make box --size 1 2 3 --cell 0.5 -o box.t -q");
-  const MeshFile box = read_mesh(file("box.t")), wanted = make_box({1, 2, 3}, 0.5);
+  const IndexedMesh box = read_mesh(file("box.t")), wanted = make_box({1, 2, 3}, 0.5);
   EXPECT_EQ(box.positions, wanted.positions);
   EXPECT_EQ(box.tetrahedra, wanted.tetrahedra);
   run_well("make octopus --seed 1 -o one.t -q");
@@ -75,7 +75,7 @@ TEST_F(MakeTest, OptionsReachTheShape) {
 
 TEST_F(MakeTest, PosesAreAppliedInTurn) {
   run_well("make beam -o beam.t --pose bend,axis=x,turns=0.5 --pose overlap,dx=0.5,dz=0.25 -q");
-  MeshFile wanted = make_shape("beam");
+  IndexedMesh wanted = make_shape("beam");
   PoseOptions bend, overlap;
   bend.axis = 0;
   bend.turns = 0.5;

@@ -3,7 +3,7 @@
 #include "cli/console.h"
 #include "cli/program.h"
 #include "selvage/core/error.h"
-#include "selvage/mesh/shapes.h"
+#include "selvage/shapes/shapes.h"
 
 #include <pty.h>
 
@@ -38,7 +38,7 @@ TEST_F(OutputTest, FilesAppearWithTheCommit) {
 }
 
 TEST_F(OutputTest, BothFilesOfAMeshAppearWithTheCommit) {
-  const MeshFile mesh = make_box(Vec3::Ones(), 1);
+  const IndexedMesh mesh = make_box(Vec3::Ones(), 1);
   for (const bool committed : {false, true}) {
     OutputFiles outputs;
     outputs.write_mesh(path("a.node"), mesh);

@@ -1,6 +1,6 @@
 #include "cli/program.h"
 #include "selvage/boundary_path/boundary_path.h"
-#include "selvage/mesh/mesh_file.h"
+#include "selvage/io/mesh_file.h"
 
 #include <nlohmann/json.hpp>
 
@@ -77,7 +77,7 @@ TEST_F(PathsTest, CsvSaysTheSameAsJson) {
 TEST_F(PathsTest, RowsAreTheLibrarysAnswersBitForBit) {
   make_tangled();
   const json rows = paths("tangled.t")["paths"];
-  const MeshFile mesh = read_mesh(file("tangled.t"));
+  const IndexedMesh mesh = read_mesh(file("tangled.t"));
   const TetMesh topology(static_cast<Index>(mesh.positions.size()), mesh.tetrahedra);
   const BoundaryPathFinder<3> finder(topology, mesh.positions);
   const auto queries = finder.find_penetrating_vertices();

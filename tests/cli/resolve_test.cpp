@@ -1,5 +1,5 @@
 #include "cli/program.h"
-#include "selvage/mesh/mesh_file.h"
+#include "selvage/io/mesh_file.h"
 
 #include <nlohmann/json.hpp>
 
@@ -34,7 +34,7 @@ TEST_F(Resolve, WritesTheMeshAndSaysWhatItDid) {
 
 TEST_F(Resolve, CountsWhatIsAtInvertedElements) {
   run_well("make box --cell 0.25 --pose overlap,dx=0.8,dy=0.1 -o rest.vtu -q");
-  MeshFile mesh = read_mesh(file("rest.vtu"));
+  IndexedMesh mesh = read_mesh(file("rest.vtu"));
   for (Vec3& x : mesh.positions)
     if ((x - Vec3(0.4, 0.1, 0)).norm() < 0.2) x[0] += 0.4;
   write_mesh(file("tangled.vtu"), mesh);
@@ -85,10 +85,10 @@ TEST_F(Resolve, SaysAtOnceWhatPinsHold) {
 TEST_F(Resolve, PinsWhatAFileLists) {
   run_well("make box --cell 0.25 --pose overlap,dx=0.8 -o tangled.vtu -q");
   write_text(file("pins.txt"), "# the first box's corner\n\n 0 # this\n1\r\n");
-  const MeshFile before = read_mesh(file("tangled.vtu"));
+  const IndexedMesh before = read_mesh(file("tangled.vtu"));
   run_well("resolve tangled.vtu -o out.vtu --pin pins.txt --json report.json -q");
   EXPECT_EQ(nlohmann::json::parse(read_text(file("report.json")))["pinned_vertices"], 2);
-  const MeshFile after = read_mesh(file("out.vtu"));
+  const IndexedMesh after = read_mesh(file("out.vtu"));
   EXPECT_EQ(after.positions[0], before.positions[0]);
   EXPECT_EQ(after.positions[1], before.positions[1]);
 }
@@ -108,7 +108,7 @@ TEST_F(Resolve, RefusesWithOneLine) {
   // Before the work.
   for (const char* name : {"out.stl", "out.OBJ", "out.ply", "out.off"})
     expect_refused(std::string("resolve box.vtu --pin none.txt -o ") + name, 2, {name, "holds no tetrahedra"});
-  MeshFile with_surface = read_mesh(file("box.vtu"));
+  IndexedMesh with_surface = read_mesh(file("box.vtu"));
   with_surface.triangles = {{0, 1, 2}};
   write_mesh(file("surface.vtu"), with_surface);
   expect_refused("resolve surface.vtu --pin none.txt -o out.t", 2, {"out.t", "holds no triangles"});

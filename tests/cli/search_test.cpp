@@ -2,8 +2,8 @@
 
 #include "cli/program.h"
 #include "selvage/core/error.h"
-#include "selvage/mesh/poses.h"
-#include "selvage/mesh/shapes.h"
+#include "selvage/shapes/poses.h"
+#include "selvage/shapes/shapes.h"
 
 #include <pty.h>
 
@@ -30,7 +30,7 @@ class TerminalOnStandardError {
 
 class SearchTest : public testing::ProgramTest {
  protected:
-  SearchResult search(const MeshFile& mesh, const SearchRequest& request) const {
+  SearchResult search(const IndexedMesh& mesh, const SearchRequest& request) const {
     Stopwatch watch;
     return is_flat(mesh) ? search_paths<2>(mesh, request, watch) : search_paths<3>(mesh, request, watch);
   }
@@ -43,17 +43,17 @@ class SearchTest : public testing::ProgramTest {
   }
 
  private:
-  static bool is_flat(const MeshFile& mesh) { return mesh.tetrahedra.empty(); }
+  static bool is_flat(const IndexedMesh& mesh) { return mesh.tetrahedra.empty(); }
 };
 
-MeshFile tangled_rod() {
-  MeshFile rod = make_shape("rod");
+IndexedMesh tangled_rod() {
+  IndexedMesh rod = make_shape("rod");
   apply_pose(rod, "self-crossing");
   return rod;
 }
 
 TEST_F(SearchTest, CountersAreFilledOnRequestOnly) {
-  const MeshFile rod = tangled_rod();
+  const IndexedMesh rod = tangled_rod();
   SearchRequest request;
   const PathTotals plain = total_paths(search(rod, request).table);
   EXPECT_GT(plain.found, 0);
@@ -73,7 +73,7 @@ TEST_F(SearchTest, PhasesAreTimed) {
 }
 
 TEST_F(SearchTest, ProgressBarDoesNotChangeTheAnswers) {
-  const MeshFile ball = make_shape("ball");
+  const IndexedMesh ball = make_shape("ball");
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> coordinate(-1, 1);
   std::string points;
@@ -88,7 +88,7 @@ TEST_F(SearchTest, ProgressBarDoesNotChangeTheAnswers) {
 }
 
 TEST_F(SearchTest, RowsFollowTheFileWhateverIsKnownOfEachPoint) {
-  const MeshFile box = make_box({1, 1, 1}, 0.5);
+  const IndexedMesh box = make_box({1, 1, 1}, 0.5);
   const SearchResult result = search(box, ask("9,9,9\n0.5,0.5,0.5\n0.1,0.2,0.3,40\n0.11,0.23,0.37\n9,9,9\n"));
   std::vector<std::int64_t> numbers;
   for (const PathRow& row : result.table.rows) numbers.push_back(row.query);
@@ -107,7 +107,7 @@ TEST_F(SearchTest, RowsFollowTheFileWhateverIsKnownOfEachPoint) {
 }
 
 TEST_F(SearchTest, PointThatIsNotInItsElementSaysSo) {
-  const MeshFile box = make_box({1, 1, 1}, 0.5);
+  const IndexedMesh box = make_box({1, 1, 1}, 0.5);
   const Index last = static_cast<Index>(box.tetrahedra.size()) - 1;
   const SearchResult result = search(box, ask("0.01,0.02,0.03," + std::to_string(last) + "\n"));
   ASSERT_EQ(result.table.rows.size(), 1u);

@@ -153,7 +153,7 @@ TEST(Components, OfSolidsBoundariesAndSurfaces) {
 }
 
 TEST(MeshInput, PlanarMeansTrianglesAtZeroHeight) {
-  MeshFile mesh{{{0, 0, 0}, {1, 0, -0.0}, {0, 1, 0}}, {}, {{0, 1, 2}}};
+  IndexedMesh mesh{{{0, 0, 0}, {1, 0, -0.0}, {0, 1, 0}}, {}, {{0, 1, 2}}};
   EXPECT_TRUE(is_planar(mesh));
   EXPECT_EQ(drop_z(mesh.positions)[2], Vec2(0, 1));
   mesh.positions[1][2] = 1e-300;

@@ -3,8 +3,8 @@
 #include "contact/solids.h"
 #include "selvage/contact/contact_finder.h"
 #include "selvage/geometry/closest_point.h"
-#include "selvage/mesh/poses.h"
-#include "selvage/mesh/shapes.h"
+#include "selvage/shapes/poses.h"
+#include "selvage/shapes/shapes.h"
 #include "test_scale.h"
 
 #include <gtest/gtest.h>

@@ -6,8 +6,8 @@
 #include "selvage/geometry/closest_point.h"
 #include "selvage/geometry/continuous.h"
 #include "selvage/geometry/predicates.h"
-#include "selvage/mesh/poses.h"
-#include "selvage/mesh/shapes.h"
+#include "selvage/shapes/poses.h"
+#include "selvage/shapes/shapes.h"
 #include "test_scale.h"
 
 #include <tbb/global_control.h>
@@ -325,7 +325,7 @@ bool same_bits(const Contact& a, const Contact& b) {
 }
 
 TEST(ContactFinder, GivesTheSameBitsForAnyNumberOfThreads) {
-  MeshFile file = make_octopus(1, 0.065, 1);
+  IndexedMesh file = make_octopus(1, 0.065, 1);
   apply_pose(file, "swirl");
   const Solid solid = solids::of(file);
   const TetMesh mesh = solid.mesh();

@@ -5,7 +5,7 @@
 #include "contact/solids.h"
 #include "selvage/boundary_path/boundary_path.h"
 #include "selvage/geometry/predicates.h"
-#include "selvage/mesh/shapes.h"
+#include "selvage/shapes/shapes.h"
 #include "test_scale.h"
 
 #include <tbb/global_control.h>

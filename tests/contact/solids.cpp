@@ -1,11 +1,11 @@
 #include "contact/solids.h"
 
-#include "selvage/mesh/poses.h"
-#include "selvage/mesh/shapes.h"
+#include "selvage/shapes/poses.h"
+#include "selvage/shapes/shapes.h"
 
 namespace selvage::solids {
 
-Solid of(const MeshFile& file) {
+Solid of(const IndexedMesh& file) {
   return {file.positions, file.tetrahedra};
 }
 
@@ -39,7 +39,7 @@ Solid jittered(Solid solid, double amount, Random& random) {
   return solid;
 }
 
-Solid posed(MeshFile file, std::string_view pose, const PoseOptions& options = {}) {
+Solid posed(IndexedMesh file, std::string_view pose, const PoseOptions& options = {}) {
   apply_pose(file, pose, options);
   return of(file);
 }

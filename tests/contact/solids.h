@@ -1,6 +1,6 @@
 #pragma once
 
-#include "selvage/mesh/mesh_file.h"
+#include "selvage/io/mesh_file.h"
 #include "selvage/mesh/simplex_mesh.h"
 
 #include <functional>
@@ -20,7 +20,7 @@ struct Solid {
   TetMesh mesh() const { return TetMesh(static_cast<Index>(positions.size()), elements); }
 };
 
-Solid of(const MeshFile& file);
+Solid of(const IndexedMesh& file);
 
 /// Several as one mesh.
 Solid together(const std::vector<Solid>& parts);

@@ -3,8 +3,8 @@
 #include "contact/solids.h"
 #include "selvage/contact/contact_finder.h"
 #include "selvage/geometry/predicates.h"
-#include "selvage/mesh/poses.h"
-#include "selvage/mesh/shapes.h"
+#include "selvage/shapes/poses.h"
+#include "selvage/shapes/shapes.h"
 #include "test_scale.h"
 
 #include <gtest/gtest.h>
@@ -132,11 +132,11 @@ INSTANTIATE_TEST_SUITE_P(Families, Waiting, testing::ValuesIn(solids::families()
                          [](const auto& family) { return family.param.name; });
 
 /// A rod that crosses itself twice.
-MeshFile make_knotted_rod() {
+IndexedMesh make_knotted_rod() {
   ShapeOptions options;
   options.length = 8;
   options.radius = 0.2;
-  MeshFile rod = make_shape("rod", options);
+  IndexedMesh rod = make_shape("rod", options);
   pose_self_crossing(rod.positions, 0, 2);
   return rod;
 }
@@ -168,7 +168,7 @@ class WaitingTangles : public testing::TestWithParam<DetectionMode> {
     return selvage::has_turned_point(mesh, rod.positions, surface, contact);
   }
 
-  MeshFile rod = make_knotted_rod();
+  IndexedMesh rod = make_knotted_rod();
   TetMesh mesh{static_cast<Index>(rod.positions.size()), rod.tetrahedra};
   TriangleMesh surface{mesh.vertex_count(), {mesh.boundary_faces().begin(), mesh.boundary_faces().end()}};
   ContactStatistics statistics;

@@ -1,4 +1,4 @@
-#include "selvage/core/parallel.h"
+#include "core/parallel.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <vector>
 
-#include "exact_oracle.h"
+#include "geometry/exact_oracle.h"
 #include "selvage/geometry/predicates.h"
 #include "test_scale.h"
 

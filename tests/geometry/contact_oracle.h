@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "exact_oracle.h"
+#include "geometry/exact_oracle.h"
 #include "selvage/geometry/triangle_triangle.h"
 
 namespace selvage::test {

@@ -8,8 +8,8 @@
 #include <optional>
 #include <utility>
 
-#include "geometry/continuous_exact.h"
-#include "tarski_oracle.h"
+#include "geometry/exact/continuous_exact.h"
+#include "geometry/tarski_oracle.h"
 #include "test_scale.h"
 
 namespace selvage {

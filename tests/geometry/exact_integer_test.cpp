@@ -1,4 +1,4 @@
-#include "geometry/exact_integer.h"
+#include "geometry/exact/exact_integer.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "geometry/fixed_integer.h"
+#include "geometry/exact/fixed_integer.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "exact_oracle.h"
-#include "geometry/exact_integer.h"
+#include "geometry/exact/exact_integer.h"
+#include "geometry/exact_oracle.h"
 #include "test_scale.h"
 
 namespace selvage {

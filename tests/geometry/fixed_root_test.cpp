@@ -1,4 +1,4 @@
-#include "geometry/fixed_root.h"
+#include "geometry/exact/fixed_root.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "exact_oracle.h"
-#include "geometry/real_root.h"
+#include "geometry/exact/real_root.h"
+#include "geometry/exact_oracle.h"
 #include "test_scale.h"
 
 namespace selvage {

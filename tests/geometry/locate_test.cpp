@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-#include "exact_oracle.h"
+#include "geometry/exact_oracle.h"
 #include "selvage/geometry/predicates.h"
 #include "test_scale.h"
 

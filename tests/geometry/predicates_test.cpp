@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "exact_oracle.h"
-#include "geometry/exact_orientation.h"
+#include "geometry/exact/exact_orientation.h"
+#include "geometry/exact_oracle.h"
 #include "test_scale.h"
 
 namespace selvage {

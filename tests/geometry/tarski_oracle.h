@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "contact_oracle.h"
+#include "geometry/contact_oracle.h"
 
 /// An exact decision of continuous contact by Sturm sequences, written apart from the library's: it isolates the roots
 /// of all polynomials that could matter and asks at each of them, by Tarski queries, whether 0 is in the hull of the

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "contact_oracle.h"
+#include "geometry/contact_oracle.h"
 #include "test_scale.h"
 
 namespace selvage {

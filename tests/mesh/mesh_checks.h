@@ -1,7 +1,7 @@
 #pragma once
 
-#include "geometry/exact_integer.h"
-#include "selvage/mesh/mesh_file.h"
+#include "geometry/exact/exact_integer.h"
+#include "selvage/io/mesh_file.h"
 
 #include <Eigen/Geometry>
 
@@ -38,18 +38,18 @@ inline int exact_orientation(const Vec3& a, const Vec3& b, const Vec3& c, const 
   return sign_of(exact);
 }
 
-inline int exact_orientation(const MeshFile& mesh, const VertexTuple<4>& t) {
+inline int exact_orientation(const IndexedMesh& mesh, const VertexTuple<4>& t) {
   return exact_orientation(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]], mesh.positions[t[3]]);
 }
 
 /// Tetrahedra whose exact determinant is not positive.
-inline std::int64_t count_not_positive(const MeshFile& mesh) {
+inline std::int64_t count_not_positive(const IndexedMesh& mesh) {
   return std::count_if(mesh.tetrahedra.begin(), mesh.tetrahedra.end(),
                        [&](const VertexTuple<4>& t) { return exact_orientation(mesh, t) <= 0; });
 }
 
 /// Vertices that no element uses.
-inline std::int64_t count_orphans(const MeshFile& mesh) {
+inline std::int64_t count_orphans(const IndexedMesh& mesh) {
   std::vector<char> used(mesh.positions.size(), 0);
   for (const auto& t : mesh.tetrahedra) {
     for (Index v : t) used.at(v) = 1;
@@ -100,7 +100,7 @@ struct SurfaceCount {
   std::int64_t euler() const { return boundary_vertices - boundary_edges + boundary_facets; }
 };
 
-inline SurfaceCount count_surface(const MeshFile& mesh) {
+inline SurfaceCount count_surface(const IndexedMesh& mesh) {
   FacetUses<3> faces;
   for (const auto& [a, b, c, d] : mesh.tetrahedra) {
     faces.add({b, c, d});
@@ -128,7 +128,7 @@ inline SurfaceCount count_surface(const MeshFile& mesh) {
 }
 
 /// Connected components of the vertices, across elements.
-inline int count_components(const MeshFile& mesh) {
+inline int count_components(const IndexedMesh& mesh) {
   std::vector<Index> parent(mesh.positions.size());
   for (std::size_t v = 0; v < parent.size(); ++v) parent[v] = static_cast<Index>(v);
   const auto root = [&](Index v) {
@@ -156,7 +156,7 @@ struct AngleRange {
 };
 
 /// Dihedral angles of all tetrahedra.
-inline AngleRange dihedral_angles(const MeshFile& mesh) {
+inline AngleRange dihedral_angles(const IndexedMesh& mesh) {
   AngleRange range;
   for (const auto& t : mesh.tetrahedra) {
     for (int i = 0; i < 4; ++i) {
@@ -180,7 +180,7 @@ inline AngleRange dihedral_angles(const MeshFile& mesh) {
   return range;
 }
 
-inline double total_volume(const MeshFile& mesh) {
+inline double total_volume(const IndexedMesh& mesh) {
   double volume = 0;
   for (const auto& t : mesh.tetrahedra) {
     const Vec3& a = mesh.positions[t[0]];
@@ -191,7 +191,7 @@ inline double total_volume(const MeshFile& mesh) {
 
 /// Vertices in a (closed) tetrahedron that they do not belong to, which a conforming mesh has only where it overlaps:
 /// brute force over a sort along x, at most `enough` of them.
-inline std::int64_t count_buried_vertices(const MeshFile& mesh, std::int64_t enough = 1LL << 60) {
+inline std::int64_t count_buried_vertices(const IndexedMesh& mesh, std::int64_t enough = 1LL << 60) {
   std::vector<Index> by_x(mesh.positions.size());
   for (std::size_t v = 0; v < by_x.size(); ++v) by_x[v] = static_cast<Index>(v);
   const auto x_of = [&](Index v) { return mesh.positions[v][0]; };
@@ -223,7 +223,7 @@ inline std::int64_t count_buried_vertices(const MeshFile& mesh, std::int64_t eno
 }
 
 /// Pairs (edge of one triangle, other triangle) that cross properly, over pairs without a common vertex.
-inline std::int64_t count_triangle_crossings(const MeshFile& mesh, std::int64_t enough = 1LL << 60) {
+inline std::int64_t count_triangle_crossings(const IndexedMesh& mesh, std::int64_t enough = 1LL << 60) {
   std::int64_t count = 0;
   const auto at = [&](Index v) -> const Vec3& { return mesh.positions[v]; };
   const auto crosses = [&](const Vec3& p, const Vec3& q, const VertexTuple<3>& t) {

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "selvage/core/error.h"
-#include "selvage/mesh/shapes.h"
+#include "selvage/shapes/shapes.h"
 
 namespace selvage {
 namespace {
@@ -38,7 +38,7 @@ std::pair<Index, std::vector<VertexTuple<3>>> punched_grid(int n, unsigned seed)
 /// A box of tetrahedra with a random part of them removed: holes, several components, non-manifold edges and vertices.
 std::pair<Index, std::vector<VertexTuple<4>>> crumbled_box(unsigned seed) {
   std::mt19937 random(seed);
-  const MeshFile box = make_box(Vec3(1, 1, 1), 0.26);
+  const IndexedMesh box = make_box(Vec3(1, 1, 1), 0.26);
   std::vector<VertexTuple<4>> tets;
   for (const auto& tet : box.tetrahedra)
     if (random() % 3 != 0) tets.push_back(tet);
@@ -139,7 +139,7 @@ TEST(SimplexMesh, EqualsMapsOnCrumbledBoxes) {
 }
 
 TEST(SimplexMesh, BoundaryIsOutwardAndClosed) {
-  const MeshFile ball = make_ball(1, 0.3);
+  const IndexedMesh ball = make_ball(1, 0.3);
   const TetMesh mesh(static_cast<Index>(ball.positions.size()), ball.tetrahedra);
   double volume = 0, enclosed = 0;
   for (const auto& t : ball.tetrahedra) {
@@ -153,9 +153,9 @@ TEST(SimplexMesh, BoundaryIsOutwardAndClosed) {
 }
 
 TEST(SimplexMesh, ComponentsAreNumberedByTheirFirstElement) {
-  const MeshFile ball = make_ball(1, 0.5);
-  const std::vector<MeshFile> parts{ball, ball, ball};
-  const MeshFile three = concatenate(parts);
+  const IndexedMesh ball = make_ball(1, 0.5);
+  const std::vector<IndexedMesh> parts{ball, ball, ball};
+  const IndexedMesh three = concatenate(parts);
   const TetMesh mesh(static_cast<Index>(three.positions.size()), three.tetrahedra);
   const auto component = mesh.element_components();
   for (std::size_t e = 0; e < component.size(); ++e)

@@ -183,7 +183,7 @@ struct Box {
   std::vector<VertexTuple<3>> surface{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
   std::vector<double> depth{-1, 0.3, 0.2, 0.1};
   std::vector<DrawnPath> paths{{{0.2, 0.2, 0.2}, {0, 0.2, 0.2}, 0.2}};
-  PathsScene scene() const { return {positions, surface, {}, depth, paths, "4 triangles"}; }
+  PathsDrawing scene() const { return {positions, surface, {}, depth, paths, "4 triangles"}; }
 };
 
 PictureOptions small_picture() {
@@ -212,11 +212,11 @@ TEST(PathsPicture, DepthsPathsAndCaptionAreSeen) {
   const Box box;
   const Image whole = draw_paths(box.scene(), small_picture());
   const std::vector<double> untouched(4, -1);
-  PathsScene plain = box.scene(), without_paths = box.scene(), without_caption = box.scene();
+  PathsDrawing plain = box.scene(), without_paths = box.scene(), without_caption = box.scene();
   plain.vertex_depth = untouched;
   without_paths.paths = {};
   without_caption.caption = "";
-  for (const PathsScene& scene : {plain, without_paths, without_caption}) {
+  for (const PathsDrawing& scene : {plain, without_paths, without_caption}) {
     EXPECT_GT(difference(whole, draw_paths(scene, small_picture())), 1);
   }
 }
@@ -233,7 +233,7 @@ TEST(PathsPicture, PlanarOverlapIsDarker) {
 
 TEST(PathsPicture, EmptySceneAndBadSizesAreRefused) {
   const Box box;
-  PathsScene empty = box.scene();
+  PathsDrawing empty = box.scene();
   empty.surface = {};
   EXPECT_THROW(draw_paths(empty, small_picture()), Error);
   PictureOptions tiny = small_picture();

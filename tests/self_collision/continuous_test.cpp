@@ -4,7 +4,7 @@
 #include "selvage/core/error.h"
 #include "selvage/geometry/continuous.h"
 #include "selvage/geometry/moving_distance.h"
-#include "selvage/mesh/shapes.h"
+#include "selvage/shapes/shapes.h"
 #include "test_scale.h"
 
 #include <tbb/global_control.h>
@@ -266,7 +266,7 @@ TEST(ContinuousByHand, SheetThroughASheetAndBack) {
 }
 
 TEST(ContinuousOf, LargeClothIsTheSameForAnyNumberOfThreads) {
-  MeshFile cloth = make_cloth(4, 4, 0.05);
+  IndexedMesh cloth = make_cloth(4, 4, 0.05);
   Random random(6);
   Positions end = cloth.positions;
   for (std::size_t v = 0; v < end.size(); ++v) {

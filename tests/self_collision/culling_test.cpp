@@ -1,9 +1,9 @@
+#include "self_collision/culling/enhanced_dual_cone.h"
+#include "self_collision/culling/planar_embedding.h"
 #include "self_collision/culling_surfaces.h"
-#include "self_collision/graph_test.h"
-#include "self_collision/published_enhanced.h"
-#include "self_collision/swept_pose.h"
-#include "selvage/mesh/sequences.h"
+#include "self_collision/surface/swept_surface.h"
 #include "selvage/self_collision/self_collision.h"
+#include "selvage/shapes/sequences.h"
 #include "test_scale.h"
 
 #include <tbb/global_control.h>
@@ -230,25 +230,25 @@ struct Scene {
   std::vector<Vec3> positions;
   Bvh bvh;
   SurfacePieces pieces;
-  GraphTest<1> graphs;
-  GraphTest<1>::Workspace workspace;
+  PlanarEmbeddingTest<1> graphs;
+  PlanarEmbeddingTest<1>::Workspace workspace;
 };
 
 /// Nodes that pass all of EDC's conditions as published, and yet hold a pair.
 int nodes_cleared_in_error(const Surface& surface) {
-  Scene scene(surface);
-  const SurfaceCones<1> cones(scene.bvh, scene.pieces, {scene.positions});
-  const std::vector<Index> place = places(scene.bvh);
+  Scene input(surface);
+  const SurfaceCones<1> cones(input.bvh, input.pieces, {input.positions});
+  const std::vector<Index> place = places(input.bvh);
   const Pairs pairs = pairs_by(CullingMethod::kBvh, surface);
   int count = 0;
-  for (Index node = 0; node < static_cast<Index>(scene.bvh.nodes().size()); ++node) {
-    if (scene.bvh.nodes()[node].children[0] >= 0) continue;
-    const auto range = scene.pieces.ranges()[node];
+  for (Index node = 0; node < static_cast<Index>(input.bvh.nodes().size()); ++node) {
+    if (input.bvh.nodes()[node].children[0] >= 0) continue;
+    const auto range = input.pieces.ranges()[node];
     const bool holds_pair = std::any_of(pairs.begin(), pairs.end(), [&](const TrianglePair& pair) {
       return range.holds(place[pair.first]) && range.holds(place[pair.second]);
     });
-    if (holds_pair && test_enhanced_dual_cone<1>(scene.bvh, scene.pieces, cones, {scene.positions}, node)
-                          .does_clear(scene.bvh.nodes()[node].child_count))
+    if (holds_pair && test_enhanced_dual_cone<1>(input.bvh, input.pieces, cones, {input.positions}, node)
+                          .does_clear(input.bvh.nodes()[node].child_count))
       ++count;
   }
   return count;
@@ -263,21 +263,21 @@ TEST(PublishedConditions, AllTogetherDoNotSuffice) {
 /// Pairs of triangles that lie in two children of a node which EDC's condition 3 takes for apart, of a node that is not
 /// cleared as a whole: what algorithm 3 skips.
 std::int64_t pairs_skipped_between_siblings(const Surface& surface) {
-  Scene scene(surface);
-  const SurfaceCones<1> cones(scene.bvh, scene.pieces, {scene.positions});
-  const std::vector<Index> place = places(scene.bvh);
+  Scene input(surface);
+  const SurfaceCones<1> cones(input.bvh, input.pieces, {input.positions});
+  const std::vector<Index> place = places(input.bvh);
   const Pairs pairs = pairs_by(CullingMethod::kBvh, surface);
-  const auto nodes = scene.bvh.nodes();
+  const auto nodes = input.bvh.nodes();
   std::int64_t count = 0;
   for (Index node = 0; node < static_cast<Index>(nodes.size()); ++node) {
     if (nodes[node].children[0] >= 0) continue;
-    const auto result = test_enhanced_dual_cone<1>(scene.bvh, scene.pieces, cones, {scene.positions}, node);
+    const auto result = test_enhanced_dual_cone<1>(input.bvh, input.pieces, cones, {input.positions}, node);
     if (result.does_clear(nodes[node].child_count)) continue;
-    const auto range = scene.pieces.ranges()[node];
+    const auto range = input.pieces.ranges()[node];
     for (const TrianglePair& pair : pairs) {
       if (!range.holds(place[pair.first]) || !range.holds(place[pair.second])) continue;
-      const int i = scene.pieces.child_at(nodes, node, place[pair.first]);
-      const int k = scene.pieces.child_at(nodes, node, place[pair.second]);
+      const int i = input.pieces.child_at(nodes, node, place[pair.first]);
+      const int k = input.pieces.child_at(nodes, node, place[pair.second]);
       count += result.apart[i] >> k & 1;
     }
   }
@@ -302,18 +302,18 @@ TEST(PublishedConditions, TraversalSkipsSiblingsThatMeet) {
   EXPECT_LE(skipping.tested_nodes, simple.tested_nodes);
 }
 
-TEST(GraphTest, IsNotFooledByNestedContours) {
+TEST(PlanarEmbeddingTest, IsNotFooledByNestedContours) {
   const Surface surface = surfaces::crosswise_squares();
   EXPECT_FALSE(pairs_by(CullingMethod::kBvh, surface).empty());
-  Scene scene(surface);
+  Scene input(surface);
   const ProjectionPlane plane = plane_across(Vec3(0, 0, 1));
-  EXPECT_EQ(scene.contours(0).loops.size(), 2u);
-  EXPECT_TRUE(scene.graphs.do_triangles_face(0, plane));
-  EXPECT_FALSE(scene.graphs.is_contour_embedded(0, plane, scene.workspace));
+  EXPECT_EQ(input.contours(0).loops.size(), 2u);
+  EXPECT_TRUE(input.graphs.do_triangles_face(0, plane));
+  EXPECT_FALSE(input.graphs.is_contour_embedded(0, plane, input.workspace));
   ASSERT_NO_FATAL_FAILURE(expect_all_agree(surface));
 }
 
-TEST(GraphTest, ClearsSheetsSideBySideAndWithHoles) {
+TEST(PlanarEmbeddingTest, ClearsSheetsSideBySideAndWithHoles) {
   Random random(16);
   Surface left = surfaces::sheet(6, 6, random), right = left;
   for (Vec3& x : right.positions) x[0] += 7;
@@ -332,18 +332,18 @@ TEST(GraphTest, ClearsSheetsSideBySideAndWithHoles) {
   EXPECT_TRUE(holed.graphs.is_graph(0, holed.workspace));
 }
 
-TEST(GraphTest, DoesNotDependOnOrientation) {
+TEST(PlanarEmbeddingTest, DoesNotDependOnOrientation) {
   Random random(17);
   Surface surface = surfaces::sheet(8, 8, random);
   for (VertexTuple<3>& t : surface.triangles)
     if (random.below(2) == 0) std::swap(t[0], t[1]);
-  Scene scene(surface);
-  EXPECT_TRUE(scene.graphs.is_graph(0, scene.workspace));
+  Scene input(surface);
+  EXPECT_TRUE(input.graphs.is_graph(0, input.workspace));
 }
 
 // Whatever piece is called a graph holds no pair at all, adjacent ones included: each pair that the hierarchy alone
 // finds is looked up in every node.
-TEST(GraphTest, NoGraphHoldsAPair) {
+TEST(PlanarEmbeddingTest, NoGraphHoldsAPair) {
   Random random(18);
   std::int64_t graphs = 0;
   for (std::int64_t n = 0; n < scaled(400); ++n) {
@@ -351,13 +351,13 @@ TEST(GraphTest, NoGraphHoldsAPair) {
     Surface surface = n % 2 == 0 ? surfaces::waved_sheet(random)
                                  : families[random.below(static_cast<Index>(families.size()))].make(random);
     if (n % 5 == 0) surface = surfaces::snapped(surface, 2);
-    Scene scene(surface);
-    const std::vector<Index> place = places(scene.bvh);
+    Scene input(surface);
+    const std::vector<Index> place = places(input.bvh);
     const Pairs pairs = pairs_by(CullingMethod::kBvh, surface, true);
-    for (Index node = 0; node < static_cast<Index>(scene.bvh.nodes().size()); ++node) {
-      if (!scene.graphs.is_graph(node, scene.workspace)) continue;
+    for (Index node = 0; node < static_cast<Index>(input.bvh.nodes().size()); ++node) {
+      if (!input.graphs.is_graph(node, input.workspace)) continue;
       ++graphs;
-      const auto range = scene.pieces.ranges()[node];
+      const auto range = input.pieces.ranges()[node];
       for (const TrianglePair& pair : pairs)
         ASSERT_FALSE(range.holds(place[pair.first]) && range.holds(place[pair.second])) << n;
     }
@@ -373,33 +373,33 @@ std::vector<Vec3> between(std::span<const Vec3> from, std::span<const Vec3> to, 
 }
 
 // Over a step: a piece that is a graph all the time holds no pair at any time.
-TEST(GraphTest, NoMovingGraphHoldsAPairAtAnyTime) {
+TEST(PlanarEmbeddingTest, NoMovingGraphHoldsAPairAtAnyTime) {
   Random random(19);
   std::int64_t graphs = 0, graphs_in_frame = 0;
   for (std::int64_t n = 0; n < scaled(150); ++n) {
     const Surface surface = surfaces::waved_sheet(random);
     const Surface end = surfaces::jittered(surface, random.unit() * random.unit(), random);
-    Scene scene(surface);
-    GraphTest<2> moving, moving_in_frame;
-    GraphTest<2>::Workspace workspace;
-    moving.place(scene.pieces, {scene.positions, end.positions});
-    PositionExtent<3> both = extent_of<3>(std::span<const Vec3>(scene.positions));
+    Scene input(surface);
+    PlanarEmbeddingTest<2> moving, moving_in_frame;
+    PlanarEmbeddingTest<2>::Workspace workspace;
+    moving.place(input.pieces, {input.positions, end.positions});
+    PositionExtent<3> both = extent_of<3>(std::span<const Vec3>(input.positions));
     both.add(extent_of<3>(std::span<const Vec3>(end.positions)));
-    SweptPose pose;
-    pose.place(scene.mesh, scene.positions, end.positions, {}, frame_around(both));
-    moving_in_frame.place(scene.pieces, {scene.positions, end.positions}, pose.rounded());
-    const std::vector<Index> place = places(scene.bvh);
+    SweptSurface pose;
+    pose.place(input.mesh, input.positions, end.positions, {}, frame_around(both));
+    moving_in_frame.place(input.pieces, {input.positions, end.positions}, pose.rounded());
+    const std::vector<Index> place = places(input.bvh);
     std::vector<Pairs> pairs;
     for (const double t : {0.0, 0.2, 0.5, 0.7, 1.0})
       pairs.push_back(
           pairs_by(CullingMethod::kBvh, {between(surface.positions, end.positions, t), surface.triangles}, true));
-    for (Index node = 0; node < static_cast<Index>(scene.bvh.nodes().size()); ++node) {
+    for (Index node = 0; node < static_cast<Index>(input.bvh.nodes().size()); ++node) {
       const bool is_graph = moving.is_graph(node, workspace);
       const bool is_graph_in_frame = moving_in_frame.is_graph(node, workspace);
       graphs += is_graph;
       graphs_in_frame += is_graph_in_frame;
       if (!is_graph && !is_graph_in_frame) continue;
-      const auto range = scene.pieces.ranges()[node];
+      const auto range = input.pieces.ranges()[node];
       for (const Pairs& at_one_time : pairs)
         for (const TrianglePair& pair : at_one_time)
           ASSERT_FALSE(range.holds(place[pair.first]) && range.holds(place[pair.second])) << n;
@@ -410,22 +410,22 @@ TEST(GraphTest, NoMovingGraphHoldsAPairAtAnyTime) {
 }
 
 // A square turned over within the step: a graph at both ends, and flat against an edge between.
-TEST(GraphTest, SeesWhatHappensBetweenTheEnds) {
+TEST(PlanarEmbeddingTest, SeesWhatHappensBetweenTheEnds) {
   Random random(20);
   const Surface surface = surfaces::sheet(6, 6, random);
   Surface mirrored = surface;
   for (Vec3& x : mirrored.positions) x[0] = 6 - x[0];
-  Scene scene(surface), end(mirrored);
-  EXPECT_TRUE(scene.graphs.is_graph(0, scene.workspace));
+  Scene input(surface), end(mirrored);
+  EXPECT_TRUE(input.graphs.is_graph(0, input.workspace));
   EXPECT_TRUE(end.graphs.is_graph(0, end.workspace));
-  GraphTest<2> moving;
-  GraphTest<2>::Workspace workspace;
-  moving.place(scene.pieces, {scene.positions, mirrored.positions});
+  PlanarEmbeddingTest<2> moving;
+  PlanarEmbeddingTest<2>::Workspace workspace;
+  moving.place(input.pieces, {input.positions, mirrored.positions});
   EXPECT_FALSE(moving.is_graph(0, workspace));
   // Without a change of shape there is nothing to see.
   for (std::size_t v = 0; v < mirrored.positions.size(); ++v)
-    mirrored.positions[v] = scene.positions[v] + Vec3(1, 2, 3);
-  moving.place(scene.pieces, {scene.positions, mirrored.positions});
+    mirrored.positions[v] = input.positions[v] + Vec3(1, 2, 3);
+  moving.place(input.pieces, {input.positions, mirrored.positions});
   EXPECT_TRUE(moving.is_graph(0, workspace));
 }
 

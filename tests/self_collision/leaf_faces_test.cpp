@@ -1,7 +1,7 @@
-#include "self_collision/leaf_faces.h"
+#include "self_collision/discrete/leaf_faces.h"
 
-#include "self_collision/neighbour_pairs.h"
-#include "self_collision/surface_pose.h"
+#include "self_collision/surface/deformed_surface.h"
+#include "self_collision/surface/neighbour_pairs.h"
 #include "self_collision/surfaces.h"
 #include "selvage/geometry/triangle_triangle.h"
 #include "test_scale.h"
@@ -22,7 +22,7 @@ using test::scaled;
 struct Posed {
   Surface surface;
   TriangleMesh mesh = surface.mesh();
-  SurfacePose pose;
+  DeformedSurface pose;
   Bvh bvh;
   std::vector<LeafVertices> leaves;
 

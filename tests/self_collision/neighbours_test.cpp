@@ -1,6 +1,6 @@
-#include "self_collision/neighbour_pairs.h"
+#include "bvh/traverse_pairs.h"
+#include "self_collision/surface/neighbour_pairs.h"
 #include "self_collision/surfaces.h"
-#include "selvage/bvh/traverse_pairs.h"
 #include "selvage/geometry/triangle_triangle.h"
 #include "test_scale.h"
 

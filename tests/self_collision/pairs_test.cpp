@@ -1,7 +1,7 @@
 #include "self_collision/oracle.h"
 #include "selvage/core/error.h"
-#include "selvage/mesh/poses.h"
-#include "selvage/mesh/shapes.h"
+#include "selvage/shapes/poses.h"
+#include "selvage/shapes/shapes.h"
 #include "test_scale.h"
 
 #include <tbb/global_control.h>
@@ -151,8 +151,8 @@ TEST_P(PairsOf, DoNotDependOnPlaceAndSize) {
   }
 }
 
-MeshFile large_cloth(double amount) {
-  MeshFile cloth = make_cloth(4, 4, 0.04);
+IndexedMesh large_cloth(double amount) {
+  IndexedMesh cloth = make_cloth(4, 4, 0.04);
   Random random(6);
   for (Vec3& x : cloth.positions)
     x += Vec3(random.within(-amount, amount), random.within(-amount, amount), random.within(-amount, amount));
@@ -160,7 +160,7 @@ MeshFile large_cloth(double amount) {
 }
 
 TEST(Pairs, AreTheSameForAnyNumberOfThreads) {
-  const MeshFile cloth = large_cloth(0.05);
+  const IndexedMesh cloth = large_cloth(0.05);
   const TriangleMesh mesh(static_cast<Index>(cloth.positions.size()), cloth.triangles);
   Pairs first;
   SelfCollisionCounters first_counters;
@@ -185,7 +185,7 @@ TEST(Pairs, AreTheSameForAnyNumberOfThreads) {
 
 // Nothing but few tests in exact arithmetic makes a flat or gently waved surface fast.
 TEST(Pairs, NeighboursOnASmoothSurfaceAreToldApartInSinglePrecision) {
-  MeshFile cloth = make_cloth(4, 4, 0.04);
+  IndexedMesh cloth = make_cloth(4, 4, 0.04);
   for (Vec3& x : cloth.positions) x[2] = 0.3 * std::sin(3 * x[0]) * std::cos(2 * x[1]);
   const TriangleMesh mesh(static_cast<Index>(cloth.positions.size()), cloth.triangles);
   SelfCollisionCounters counters;
@@ -199,7 +199,7 @@ TEST(Pairs, NeighboursOnASmoothSurfaceAreToldApartInSinglePrecision) {
 }
 
 TEST(Pairs, YesOrNoStopsEarly) {
-  const MeshFile cloth = large_cloth(0.05);
+  const IndexedMesh cloth = large_cloth(0.05);
   const TriangleMesh mesh(static_cast<Index>(cloth.positions.size()), cloth.triangles);
   const SelfCollisionFinder finder(mesh, cloth.positions);
   SelfCollisionCounters all, some;

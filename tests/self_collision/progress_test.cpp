@@ -1,6 +1,6 @@
 #include "self_collision/surfaces.h"
-#include "selvage/mesh/shapes.h"
 #include "selvage/self_collision/continuous_collision.h"
+#include "selvage/shapes/shapes.h"
 
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ class Progress : public testing::Test {
       for (int axis = 0; axis < 3; ++axis) x[axis] += random.within(-0.05, 0.05);
   }
 
-  MeshFile cloth_ = make_cloth(4, 4, 0.1);
+  IndexedMesh cloth_ = make_cloth(4, 4, 0.1);
   TriangleMesh mesh_{static_cast<Index>(cloth_.positions.size()), cloth_.triangles};
   Listener listener_;
 };

@@ -1,4 +1,4 @@
-#include "selvage/mesh/sequences.h"
+#include "selvage/shapes/sequences.h"
 
 #include "selvage/self_collision/self_collision.h"
 

@@ -1,6 +1,6 @@
-#include "bodies.h"
-#include "simulation/material_blocks.h"
-#include "simulation/shape_energy.h"
+#include "elasticity/deformation_gradient.h"
+#include "simulation/bodies.h"
+#include "simulation/xpbd/material_blocks.h"
 
 #include <gtest/gtest.h>
 
@@ -14,8 +14,8 @@ namespace {
 using namespace bodies;
 
 /// A box with one element more, as long as all of it: so few parts touch only the next.
-MeshFile make_strapped_box() {
-  MeshFile box = make_box({2, 1, 1}, 0.1);
+IndexedMesh make_strapped_box() {
+  IndexedMesh box = make_box({2, 1, 1}, 0.1);
   const Vec3 ends[] = {box.positions.front(), box.positions.back()};
   const auto last = static_cast<Index>(box.positions.size() - 1);
   box.positions.push_back(ends[0] + Vec3(1, 0, -1));
@@ -31,8 +31,8 @@ std::vector<Model> models() {
   models.push_back(make(make_box({1, 1, 1}, 0.08), neo_hookean(1e5)));
   models.push_back(make(make_ball(0.5, 0.1), springs()));
   models.push_back(make(make_strapped_box(), neo_hookean(1e5)));
-  const MeshFile octopus = make_octopus(1, 0.065, 1);
-  models.push_back(make(std::vector<MeshFile>{octopus, make_box({1, 0.1, 0.1}, 0.1), octopus}, springs()));
+  const IndexedMesh octopus = make_octopus(1, 0.065, 1);
+  models.push_back(make(std::vector<IndexedMesh>{octopus, make_box({1, 0.1, 0.1}, 0.1), octopus}, springs()));
   return models;
 }
 
@@ -165,9 +165,9 @@ TEST(Blocks, PackAStarIntoOneBatchEach) {
 }
 
 TEST(Blocks, HaveColoursOfLikeSize) {
-  MeshFile bent = make_box({1, 1, 1}, 0.04);
+  IndexedMesh bent = make_box({1, 1, 1}, 0.04);
   for (Vec3& p : bent.positions) p[1] += p[0] * p[0];
-  for (const MeshFile& mesh :
+  for (const IndexedMesh& mesh :
        {make_box({1, 1, 1}, 0.08), bent, make_box({3, 0.1, 0.1}, 0.02), make_octopus(1, 0.05, 1)}) {
     const MaterialBlocks blocks = make_material_blocks(make(mesh, neo_hookean(1e5)));
     const Index per_colour = blocks.colour_first[1];

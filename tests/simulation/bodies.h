@@ -1,15 +1,15 @@
 #pragma once
 
-#include "selvage/mesh/shapes.h"
+#include "selvage/shapes/shapes.h"
 #include "selvage/simulation/xpbd.h"
 
 namespace selvage::bodies {
 
 /// A model of one body a mesh, all of one material.
-inline Model make(std::span<const MeshFile> meshes, const Material& material) {
+inline Model make(std::span<const IndexedMesh> meshes, const Material& material) {
   std::vector<Body> made;
   Index vertices = 0, elements = 0;
-  for (const MeshFile& mesh : meshes) {
+  for (const IndexedMesh& mesh : meshes) {
     Body body{"body" + std::to_string(made.size()), vertices, 0, elements, 0, material};
     body.vertex_count = static_cast<Index>(mesh.positions.size());
     body.element_count = static_cast<Index>(mesh.tetrahedra.size());
@@ -17,11 +17,11 @@ inline Model make(std::span<const MeshFile> meshes, const Material& material) {
     elements += body.element_count;
     made.push_back(body);
   }
-  const MeshFile all = concatenate(meshes);
+  const IndexedMesh all = concatenate(meshes);
   return make_model(TetMesh(vertices, all.tetrahedra), all.positions, made);
 }
 
-inline Model make(const MeshFile& mesh, const Material& material) {
+inline Model make(const IndexedMesh& mesh, const Material& material) {
   return make(std::span(&mesh, 1), material);
 }
 
@@ -40,7 +40,7 @@ inline Material springs(double edge_compliance = 0, double volume_compliance = 0
   return material;
 }
 
-inline MeshFile moved(MeshFile mesh, const Vec3& offset) {
+inline IndexedMesh moved(IndexedMesh mesh, const Vec3& offset) {
   for (Vec3& p : mesh.positions) p += offset;
   return mesh;
 }

@@ -1,7 +1,7 @@
-#include "bodies.h"
 #include "selvage/boundary_path/boundary_path.h"
 #include "selvage/contact/friction.h"
 #include "selvage/core/error.h"
+#include "simulation/bodies.h"
 
 #include <gtest/gtest.h>
 
@@ -113,7 +113,7 @@ TEST(Slope, OfABodyLetsABlockSlideAsCoulombSays) {
 }
 
 MeshShape cube(double size) {
-  const MeshFile box = make_box({size, size, size}, size);
+  const IndexedMesh box = make_box({size, size, size}, size);
   const TetMesh mesh(static_cast<Index>(box.positions.size()), box.tetrahedra);
   return {box.positions, {mesh.boundary_faces().begin(), mesh.boundary_faces().end()}};
 }
@@ -193,7 +193,7 @@ TEST(Colliders, HoldNothingInsideOneAnother) {
 
 /// Two blocks that start in one another, pressed between plates that would hold them by friction: they come apart.
 TEST(Colliders, HoldNothingInsideABody) {
-  const MeshFile block = make_box({0.2, 0.2, 0.2}, 0.05);
+  const IndexedMesh block = make_box({0.2, 0.2, 0.2}, 0.05);
   const std::array meshes{block, moved(block, {0.15, 0.013, 0})};
   const Model model = make(meshes, neo_hookean(1e5, 0.4));
   State state = make_state(model, model.rest_positions);

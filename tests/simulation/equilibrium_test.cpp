@@ -1,4 +1,4 @@
-#include "bodies.h"
+#include "simulation/bodies.h"
 
 #include <gtest/gtest.h>
 
@@ -121,7 +121,7 @@ TEST(Recovery, FromInvertedAndFlattenedElements) {
 }
 
 TEST(Recovery, OfASingleElement) {
-  MeshFile tet;
+  IndexedMesh tet;
   tet.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   tet.tetrahedra = {{0, 1, 2, 3}};
   for (const double height : {-3.0, -1.0, -0.01, 0.0, 1e-6, 0.01, 5.0})

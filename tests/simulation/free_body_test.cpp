@@ -1,4 +1,4 @@
-#include "bodies.h"
+#include "simulation/bodies.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@ namespace {
 
 using namespace bodies;
 
-const MeshFile kBeam = make_box({1, 0.5, 0.5}, 0.1);
+const IndexedMesh kBeam = make_box({1, 0.5, 0.5}, 0.1);
 
 TEST(FreeBody, FallsWithoutDeforming) {
   for (const Material& material : {neo_hookean(1e5), neo_hookean(1e8), springs()}) {

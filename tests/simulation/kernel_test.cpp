@@ -1,6 +1,6 @@
-#include "bodies.h"
-#include "simulation/material_kernel.h"
-#include "simulation/material_solver.h"
+#include "simulation/bodies.h"
+#include "simulation/xpbd/material_kernel.h"
+#include "simulation/xpbd/material_solver.h"
 #include "test_scale.h"
 
 #include <gtest/gtest.h>

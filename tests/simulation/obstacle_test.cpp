@@ -1,8 +1,8 @@
-#include "simulation/obstacle.h"
+#include "simulation/colliders/obstacle.h"
 
 #include "random.h"
-#include "selvage/mesh/shapes.h"
 #include "selvage/mesh/simplex_mesh.h"
+#include "selvage/shapes/shapes.h"
 #include "test_scale.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace {
 /// One of each kind; the box makes six planes.
 std::vector<Obstacle> one_of_each_kind() {
   const Vec3 tilted = Vec3(0.3, -0.2, 1).normalized();
-  const MeshFile ball = make_ball(0.5, 0.2);
+  const IndexedMesh ball = make_ball(0.5, 0.2);
   const TetMesh mesh(static_cast<Index>(ball.positions.size()), ball.tetrahedra);
   std::vector<VertexTuple<3>> faces(mesh.boundary_faces().begin(), mesh.boundary_faces().end());
   return make_obstacles(std::vector<Collider>{{PlaneShape{{0, 0, -0.3}, tilted}},

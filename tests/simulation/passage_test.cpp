@@ -1,8 +1,8 @@
-#include "simulation/passage.h"
+#include "simulation/colliders/passage.h"
 
 #include "random.h"
-#include "selvage/mesh/shapes.h"
 #include "selvage/mesh/simplex_mesh.h"
+#include "selvage/shapes/shapes.h"
 #include "test_scale.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 namespace selvage {
 namespace {
 
-MeshSolid mesh_solid(const MeshFile& file) {
+MeshSolid mesh_solid(const IndexedMesh& file) {
   const TetMesh mesh(static_cast<Index>(file.positions.size()), file.tetrahedra);
   return {"solid", {file.positions, {mesh.boundary_faces().begin(), mesh.boundary_faces().end()}}};
 }

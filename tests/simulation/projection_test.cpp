@@ -1,5 +1,5 @@
 // What a contact does to the vertices that it moves.
-#include "simulation/project_contacts.h"
+#include "simulation/xpbd/project_contacts.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-#include "bodies.h"
 #include "selvage/core/error.h"
+#include "simulation/bodies.h"
 
 #include <tbb/global_control.h>
 
@@ -62,7 +62,7 @@ void expect_error(const std::string& where, Action&& action) {
 }
 
 TEST(Refusals, NameWhatIsWrong) {
-  const MeshFile box = make_box({0.2, 0.2, 0.2}, 0.1);
+  const IndexedMesh box = make_box({0.2, 0.2, 0.2}, 0.1);
   const Model model = make(box, neo_hookean(1e5));
   const State state = make_state(model, model.rest_positions);
   const auto solve = [&](const std::vector<Handle>& handles, const XpbdOptions& options = without_contact()) {
@@ -82,7 +82,7 @@ TEST(Refusals, NameWhatIsWrong) {
   expect_error("body 'body0'", [&] { make(box, neo_hookean(-1)); });
   expect_error("body 'body0'", [&] { make(box, neo_hookean(1, 0.5)); });
   expect_error("body 'body0'", [&] { make(box, springs(-1)); });
-  MeshFile inverted = box;
+  IndexedMesh inverted = box;
   std::swap(inverted.tetrahedra[7][0], inverted.tetrahedra[7][1]);
   expect_error("element 7", [&] { make(inverted, neo_hookean(1e5)); });
   expect_error("state", [&] {
@@ -119,10 +119,10 @@ bool same_bits(const State& a, const State& b) {
 
 // Three bodies fall on one another and on a floor.
 Model pile(const Material& material) {
-  const MeshFile ball = make_ball(0.1, 0.04);
+  const IndexedMesh ball = make_ball(0.1, 0.04);
   return make(
-      std::vector<MeshFile>{moved(ball, {0, 0, 0.12}), moved(make_box({0.3, 0.3, 0.05}, 0.05), {-0.15, -0.15, 0.24}),
-                            moved(ball, {0.02, 0, 0.42})},
+      std::vector<IndexedMesh>{moved(ball, {0, 0, 0.12}), moved(make_box({0.3, 0.3, 0.05}, 0.05), {-0.15, -0.15, 0.24}),
+                               moved(ball, {0.02, 0, 0.42})},
       material);
 }
 
@@ -182,8 +182,8 @@ TEST(Contacts, KeepBodiesApart) {
 
 /// How fast a block slides on a slope of elements of 25 degrees (of tangent 0.466) after 0.3 s [m/s].
 double slide(double friction) {
-  const MeshFile slope = moved(make_box({0.6, 0.3, 0.05}, 0.05), {-0.2, -0.075, -0.0501});
-  const Model model = make(std::vector<MeshFile>{slope, make_box({0.15, 0.15, 0.08}, 0.04)}, neo_hookean(1e5, 0.3));
+  const IndexedMesh slope = moved(make_box({0.6, 0.3, 0.05}, 0.05), {-0.2, -0.075, -0.0501});
+  const Model model = make(std::vector<IndexedMesh>{slope, make_box({0.15, 0.15, 0.08}, 0.04)}, neo_hookean(1e5, 0.3));
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(25 * M_PI / 180, Vec3::UnitY()).toRotationMatrix();
   State state = make_state(model, model.rest_positions);
   for (Vec3& p : state.positions) p = turn * p;
@@ -212,7 +212,7 @@ TEST(Contacts, PushABlockOnALevelBodyNowhere) {
   for (const DetectionMode mode : {DetectionMode::kDcd, DetectionMode::kHybrid, DetectionMode::kCcd})
     for (const double cell : {0.1, 0.2})
       for (const double degrees : {0, 20}) {
-        MeshFile block = make_box({0.4, 0.4, 0.2}, cell);
+        IndexedMesh block = make_box({0.4, 0.4, 0.2}, cell);
         const Eigen::AngleAxisd turn(degrees * M_PI / 180, Vec3::UnitZ());
         for (Vec3& p : block.positions) p = turn * Vec3(p - Vec3(0.2, 0.2, 0)) + Vec3(0.513, 0.489, 1e-3);
         const std::array meshes{block, moved(make_box({1, 1, 0.2}, 0.2), {0, 0, -0.2})};

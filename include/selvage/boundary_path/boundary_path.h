@@ -52,7 +52,7 @@ struct PathCounters {
 };
 
 /// What is wrong with a pose: where the theorems of SPB do not hold.
-struct PoseDefects {
+struct MeshDefects {
   std::int64_t inverted_elements = 0;
   std::int64_t degenerate_elements = 0;
   /// Interior ridges (edges in 3D, vertices in 2D) around which the elements turn twice or more (angles sum to 4 pi).
@@ -96,7 +96,7 @@ class BoundaryPathFinder {
   void rebuild(std::span<const Vec<D>> positions);
 
   /// Defects of the current pose.
-  const PoseDefects& defects() const;
+  const MeshDefects& defects() const;
 
   /// Shortest paths, one per query, in the order of the queries. Parallel; the same bits for any number of threads.
   ///
@@ -144,7 +144,7 @@ class BoundaryPathFinder {
 
   /// (n_vertices) 1 where the elements around the vertex are proven to overlap nowhere but at common points, provided
   /// that none of them is defective; 0 elsewhere.
-  std::span<const std::uint8_t> settled_vertices() const;
+  std::span<const std::uint8_t> locally_injective_vertices() const;
 
  private:
   struct State;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace selvage {
@@ -22,6 +23,9 @@ using Vec = Eigen::Matrix<double, D, 1, Eigen::DontAlign>;
 
 using Vec2 = Vec<2>;
 using Vec3 = Vec<3>;
+
+/// Two indices: a pair of triangles, a vertex and a face.
+using IndexPair = std::pair<Index, Index>;
 
 /// N vertex indices: an element, a face, an edge.
 template <int N>

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "selvage/bvh/overlap.h"
 #include "selvage/core/types.h"
 
 namespace selvage {

@@ -1,8 +1,8 @@
 #include "bvh/kernels/traverse_queries.h"
 
 #include "bvh/test_boxes.h"
-#include "selvage/bvh/traverse_pairs.h"
-#include "selvage/core/simd16.h"
+#include "bvh/traverse_pairs.h"
+#include "core/simd/simd16.h"
 
 namespace selvage {
 inline namespace SELVAGE_ISA {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "selvage/bvh/overlap.h"
+#include "bvh/overlap.h"
 
 namespace selvage {
 

@@ -1,0 +1,80 @@
+#pragma once
+
+#include "selvage/scene/scene.h"
+
+#include <functional>
+#include <optional>
+
+namespace selvage {
+
+/// What happened in one frame: counts summed over its steps, and what is true at its end.
+struct FrameStatistics {
+  std::int64_t frame = 0;
+  double time = 0;         ///< at its end [s]
+  std::int64_t steps = 0;  ///< done since the beginning
+
+  // Contacts by kind (ContactKind), and with colliders.
+  std::int64_t vertex_paths = 0, edge_paths = 0, centroid_paths = 0, vertex_faces = 0, edge_edges = 0;
+  std::int64_t collider_contacts = 0;
+  std::int64_t path_queries = 0, blocked_paths = 0;  ///< points asked for their way out, and those without one
+  std::int64_t constraints = 0;                      ///< of the material, over all iterations
+
+  // At the end of the frame.
+  std::int64_t penetrating_vertices = 0;  ///< boundary vertices inside an element that is not theirs
+  double deepest_penetration = 0;         ///< longest shortest path to the boundary of one of them [m]
+  std::int64_t inverted_elements = 0;
+  double kinetic_energy = 0;  ///< [J]
+  double fastest = 0;         ///< speed of the fastest vertex [m/s]
+
+  // What it cost. Not part of the answer: a run that was continued has other hierarchies than one that never stopped,
+  // and visits other nodes.
+  std::int64_t volumes = 0, traversals = 0, path_elements = 0;  ///< of shortest paths (SPB table 1)
+  // Time spent [s]: material solve; projections and friction; DCD at the start and end of steps with the refits that it
+  // needs; shortest paths; CCD; all steps; steps and measurement.
+  double seconds_material = 0, seconds_projection = 0, seconds_dcd = 0, seconds_paths = 0, seconds_ccd = 0;
+  double seconds_steps = 0, seconds_frame = 0;
+};
+
+enum class SurfaceFormat : std::uint8_t { kNoSurface, kPly, kObj };
+
+/// What to run, and what to write besides frames, statistics and checkpoints.
+struct RunOptions {
+  std::filesystem::path folder;                       ///< made if it is not there
+  std::optional<std::int64_t> frames{};               ///< instead of the scene's
+  bool resume = false;                                ///< continue the run that the folder holds; without one, begin
+  bool vtu = false;                                   ///< vtu/frame_000000.vtu and frames.pvd
+  SurfaceFormat surface = SurfaceFormat::kNoSurface;  ///< surface/frame_000000.ply
+  /// Called after each frame, and once with the frame that the run begins or continues from.
+  std::function<void(const FrameStatistics&)> on_frame{};
+};
+
+/// How a run ended.
+enum class RunOutcome : std::uint8_t {
+  kFinished,
+  kExploded,           ///< a position stopped being finite
+  kImpossibleHandles,  ///< handles turned an element inside out that they hold by all its vertices
+};
+
+struct RunReport {
+  RunOutcome outcome = RunOutcome::kFinished;
+  std::string message;                  ///< unless finished: what happened, in which frame
+  std::int64_t first_frame = 0;         ///< that this call began or continued from
+  std::vector<FrameStatistics> frames;  ///< from frame 0 on, those of earlier calls too
+  std::uint64_t fingerprint = 0;        ///< of every bit of the positions and velocities after the last frame
+};
+
+/// Runs a scene and writes its files (docs/simulation.md) to a folder.
+///
+/// A run that is killed at any moment is continued with `resume` from its last whole frame, and every file ends bit for
+/// bit as if it had never stopped, but for what the statistics say of its cost; files of frames are whole or not there.
+///
+/// @throws Error        before anything is written: no folder is named, or frames are negative; the folder holds a run
+///                      and `resume` is false, or the run of another scene; another process writes to it; a file in it
+///                      is damaged
+/// @throws SystemError  when a file cannot be written; it names the frame, and all frames before stay as they are
+RunReport run_scene(const Scene& scene, const RunOptions& options);
+
+/// Counts, averages per step, shares of time and the last frame's figures as JSON, as in summary.json.
+std::string summarize_run(const Scene& scene, const RunReport& report);
+
+}  // namespace selvage

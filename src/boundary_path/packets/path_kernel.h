@@ -1,0 +1,20 @@
+#pragma once
+
+#include "boundary_path/input/path_input.h"
+
+namespace selvage {
+
+#define SELVAGE_DECLARE_PATH_KERNEL(isa)                   \
+  namespace isa {                                          \
+  void search_paths(const PathInput<2>&, PathBatches<2>&); \
+  void search_paths(const PathInput<3>&, PathBatches<3>&); \
+  }
+
+/// Runs all batches. What is counted in one does not depend on those before.
+SELVAGE_DECLARE_PATH_KERNEL(baseline)
+SELVAGE_DECLARE_PATH_KERNEL(avx2)
+SELVAGE_DECLARE_PATH_KERNEL(avx512)
+
+#undef SELVAGE_DECLARE_PATH_KERNEL
+
+}  // namespace selvage

@@ -1,0 +1,332 @@
+#pragma once
+
+#include "boundary_path/search/boundary_corner.h"
+#include "boundary_path/search/candidate.h"
+#include "boundary_path/traversal/tet_traversal.h"
+#include "bvh/traverse.h"
+
+#include <limits>
+
+namespace selvage {
+inline namespace SELVAGE_ISA {
+
+/// What is known of the segment to a candidate.
+enum class SegmentState : std::uint8_t { kUnknown, kPath, kBlocked };
+
+/// Where the shortest path of a query ends.
+template <int D>
+struct Answer {
+  Index face;
+  Vec<D> point;
+};
+
+/// What one query knows of its shortest path (SPB supplement, algorithms 3 and 4): it considers boundary faces, in any
+/// order, until none that is left can be closer than the answer.
+///
+/// What shrinks the search beside a valid candidate: a segment that leaves p's own material shows a boundary point at
+/// that distance, which theorem 1 makes a bound of the answer; and a culled candidate leads to the neighbouring face
+/// that is closer. Both only where the theorems hold.
+///
+/// Here is its course; what it does with one face is in search_faces.h.
+template <int D>
+class Search {
+ public:
+  Search(const PathInput<D>& input, const PathTask<D>& task, PathCounters* counters)
+      : input_(input), task_(task), query_(task.query), counters_(counters), candidates_(input, query_.point) {}
+
+  /// False when the point does not lie in its element.
+  /// @param is_inside  it certainly lies strictly inside
+  bool locate(bool is_inside);
+
+  /// The face to look for answers from: the one to try first, or near in the mesh.
+  Index first_face() const {
+    if (task_.warm_start != kNone || !input_.options.use_hints) return task_.warm_start;
+    return input_.hints[query_.element];
+  }
+
+  /// Whether a face may be the answer, wherever it lies.
+  bool may_end_at(Index face) const {
+    return input_.face_stars[face].component == component_ && !is_excluded(face) && !input_.inverted_owner[face];
+  }
+
+  /// Learns how far p is from the nearest defect of its component, unless that is farther than this: then it is as if
+  /// one were there. Without `look` none is nearer.
+  void take_defects(float squared_reach, bool look);
+  /// A reach that is beyond any likely answer.
+  float squared_reach() const;
+
+  /// Looks for answers no farther than this. Nothing is said of whether there are any.
+  void suppose(double squared_distance);
+  /// From now on also farther. False when there is no answer yet: then all faces are to be considered anew.
+  bool stop_supposing();
+
+  /// Considers a face; if it may be the answer the segment is left to be followed in a TetTraversalPacket, where it may
+  /// be.
+  /// @param known  the candidate, where it has been computed; else null
+  void nominate(Index face, unsigned feature, const Candidate<D>* known);
+
+  /// Looks for a first candidate from a face on.
+  void aim(Index face);
+
+  /// What nominate() or aim() found, where its segment may be followed in a TetTraversalPacket; else null: there is
+  /// none, or it has been tested.
+  const Candidate<D>* target() const { return is_aiming_ ? &target_ : nullptr; }
+
+  /// Tests the target, if there is one, as far as that is left to do.
+  /// @param elements_visited  by the segment to the target, when its state is known
+  void test_target(SegmentState state, int elements_visited);
+
+  /// Goes on until there is a path: from the target's, from near in the mesh, and last anywhere. False when there is
+  /// none.
+  bool start();
+
+  /// Tests a face unless it is known to be no answer.
+  /// @param feature  vertices of the face (bits) that certainly span the feature of its closest point; 0: not known
+  /// @param follow   whether to go on to neighbours that come closer
+  /// @param known   the candidate, where it has been computed
+  void consider(Index face, unsigned feature, bool follow = false, const Candidate<D>* known = nullptr);
+
+  /// The answer, once all faces have been considered that may be it.
+  PathResult<D> finish();
+
+  /// Nothing farther is an answer.
+  double squared_bound() const { return std::min(std::min(best_squared_, known_squared_), supposed_squared_); }
+  /// Whether faces may be passed over because a neighbour comes closer: see docs/boundary_path.md.
+  bool may_cull() const { return input_.options.cull_infeasible_regions && reject_above_ < safe_distance_; }
+  /// Whether faces that are no candidates, as p lies on them, may prove that others are none: see
+  /// docs/boundary_path.md.
+  bool may_cull_towards_source() const { return is_at_source_; }
+  bool has_answer() const { return best_squared_ < kInfinity; }
+  Answer<D> answer() const { return {best_.face, query_.point + Vec<D>(best_.offset)}; }
+  const PathQuery<D>& query() const { return query_; }
+  /// Null when nothing is counted.
+  PathCounters* counters() const { return counters_; }
+
+ private:
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  /// Distances that only bound the search are widened by more than their rounding.
+  static constexpr double kBoundSlack = 1 + 1e-9;
+  /// Bounds the error of TraversalResult::left_at, with room to spare.
+  static constexpr double kLeftAtError = 1e-6;
+
+  bool may_postpone(const Candidate<D>& candidate) const;
+  double squared_distance_to_hint() const;
+  void start_from(Index face);
+  void start_anywhere();
+  void test(const Candidate<D>& candidate);
+  void test_touching(const Candidate<D>& candidate);
+  void accept(const Candidate<D>& candidate);
+  void keep(const Candidate<D>& candidate);
+  Candidate<D> settle(Candidate<D> candidate) const;
+  /// Whether the candidate is so far that its path may meet inverted elements.
+  bool follows_inverted_rules(const Candidate<D>& candidate) const {
+    return state_ == ComponentState::kInverted && !(std::sqrt(candidate.squared_distance) < defect_distance_);
+  }
+  bool is_excluded(Index face) const;
+  bool is_new(Index face);
+  bool is_known(Index face, unsigned mask) const;
+  bool was_dismissed(const VertexTuple<D>& ids) const;
+  void dismiss(const Candidate<D>& candidate);
+  Index closer_neighbour(const Candidate<D>& candidate) const;
+  Index smallest_face(const Candidate<D>& candidate) const;
+  bool is_worse(const Candidate<D>& candidate) const;
+  static bool is_zero(const double (&offset)[D]) {
+    for (double x : offset)
+      if (x != 0) return false;
+    return true;
+  }
+
+  const PathInput<D>& input_;
+  const PathTask<D>& task_;
+  const PathQuery<D>& query_;
+  PathCounters* counters_;
+  CandidateFactory<D> candidates_;
+  bool is_inside_ = false, strictly_inside_ = false;
+  bool is_on_own_ = false;     ///< p may lie on its own element's boundary
+  bool is_at_source_ = false;  ///< p is where the vertex is that it comes from
+  Index component_ = 0;
+  ComponentState state_ = ComponentState::kImmersed;
+  /// No path up to this long can meet a defect: theorems 1 and 2 hold for it. 0 where they never do.
+  double safe_distance_ = 0;
+  double defect_distance_ = 0;  ///< the same, but for p's own position on the boundary
+
+  bool is_aiming_ = false;
+  Candidate<D> target_;
+
+  Candidate<D> best_;
+  double best_squared_ = kInfinity;
+  double known_squared_ = kInfinity;     ///< some boundary point that p can reach is this close
+  double supposed_squared_ = kInfinity;  ///< the answer is looked for no farther than this
+  Index left_through_ = kNone;           ///< where a segment was seen to leave the material
+  double reject_above_ = kInfinity;      ///< distance of squared_bound(), widened for the rounding of squares
+
+  static constexpr int kRemembered = 64, kDismissed = 8;
+  Index seen_[kRemembered];
+  VertexTuple<D> dismissed_[kDismissed];
+  int dismissed_count_ = 0;
+};
+
+template <int D>
+bool Search<D>::locate(bool is_inside) {
+  is_inside_ = strictly_inside_ = is_inside;
+  if (!is_inside) {
+    std::array<Vec<D>, D + 1> corners;
+    for (int i = 0; i <= D; ++i) corners[i] = input_.positions[input_.elements[query_.element].vertices[i]];
+    const Containment at = locate_in_simplex<D>(corners, query_.point);
+    is_inside_ = at.inside;
+    if (!is_inside_) return false;
+    strictly_inside_ = at.zero_mask == 0;
+  }
+  component_ = input_.component_of[query_.element];
+  state_ = input_.component_state[component_];
+  // Faces that contain p materially are no candidates, which the theorems do not know: rely on them only where p is
+  // known to be off the boundary, or is a vertex that came from elsewhere.
+  const auto& vertices = input_.elements[query_.element].vertices;
+  is_on_own_ = query_.source[0] == kNone ? !strictly_inside_
+                                         : contains(vertices, query_.source[0]) || contains(vertices, query_.source[1]);
+  is_at_source_ = strictly_inside_ && query_.source[0] != kNone && query_.source[1] == kNone &&
+                  query_.point == input_.positions[query_.source[0]];
+  for (Index& slot : seen_) slot = kNone;
+  return true;
+}
+
+/// Goes on where a blocked segment leaves the material: the boundary there is near in the mesh, too.
+template <int D>
+void Search<D>::start_from(Index face) {
+  constexpr int kMaxSteps = 4;
+  for (int step = 0; step < kMaxSteps && face != kNone; ++step) {
+    left_through_ = kNone;
+    consider(face, 0, true);
+    face = left_through_;
+  }
+}
+
+template <int D>
+void Search<D>::suppose(double squared_distance) {
+  supposed_squared_ = squared_distance;
+  reject_above_ = std::sqrt(squared_bound()) * kBoundSlack;
+}
+
+template <int D>
+bool Search<D>::stop_supposing() {
+  supposed_squared_ = kInfinity;
+  if (best_squared_ < kInfinity) return true;
+  for (Index& slot : seen_) slot = kNone;
+  reject_above_ = std::sqrt(squared_bound()) * kBoundSlack;
+  return false;
+}
+
+template <int D>
+void Search<D>::nominate(Index face, unsigned feature, const Candidate<D>* known) {
+  is_aiming_ = true;
+  target_.face = kNone;
+  consider(face, feature, false, known);
+  is_aiming_ = target_.face != kNone;
+}
+
+template <int D>
+void Search<D>::aim(Index face) {
+  target_.face = kNone;
+  is_aiming_ = true;
+  consider(face, 0, true);
+  is_aiming_ = target_.face != kNone;
+}
+
+template <int D>
+void Search<D>::test_target(SegmentState state, int elements_visited) {
+  if (!is_aiming_) return;
+  is_aiming_ = false;
+  // Where a blocked segment ends is worth to know as long as there is no bound.
+  if (state == SegmentState::kUnknown || (state == SegmentState::kBlocked && squared_bound() == kInfinity))
+    return test(target_);
+  if (counters_ != nullptr) {
+    ++counters_->traversals;
+    counters_->elements_visited += elements_visited;
+  }
+  if (state == SegmentState::kBlocked) return dismiss(target_);
+  accept(target_);
+}
+
+template <int D>
+bool Search<D>::start() {
+  start_from(left_through_);
+  if (squared_distance_to_hint() < squared_bound()) start_from(input_.hints[query_.element]);
+  if (best_squared_ == kInfinity) start_anywhere();
+  return best_squared_ < kInfinity;
+}
+
+/// Whether the candidate's segment may be followed in a TetTraversalPacket, with others.
+template <int D>
+bool Search<D>::may_postpone(const Candidate<D>& candidate) const {
+  if (D == 2 || !input_.is_oriented || !strictly_inside_ || state_ == ComponentState::kInverted) return false;
+  return !is_split(input_, candidate) &&
+         !TetTraversal<D>(input_, query_, strictly_inside_, nullptr).starts_at(candidate);
+}
+
+/// Near to far, until some path is found.
+template <int D>
+void Search<D>::start_anywhere() {
+  std::int64_t volumes = 0;
+  visit_nearest(
+      input_.face_nodes, input_.frame.around_point(query_.point), round_up(squared_bound()),
+      [&](Index face, float) {
+        consider(face, 0);
+        return best_squared_ == kInfinity ? round_up(squared_bound()) : -1.0f;
+      },
+      volumes);
+  if (counters_ != nullptr) counters_->volumes_visited += volumes;
+}
+
+template <int D>
+PathResult<D> Search<D>::finish() {
+  PathResult<D> result;
+  if (!is_inside_) result.status = PathStatus::kNotInElement;
+  if (best_squared_ == kInfinity) return result;
+  result.status = PathStatus::kFound;
+  result.face = smallest_face(best_);
+  result.target_count = best_.target.count;
+  result.target_vertices = best_.ids;
+  result.barycentric = best_.barycentric;
+  result.has_normal = D == 3 && best_.target.count == 3 && best_.has_normal;
+  for (int i = 0; i < D; ++i) {
+    result.offset[i] = best_.offset[i];
+    if (result.has_normal) result.normal[i] = best_.direction[i];
+  }
+  return result;
+}
+
+/// To a vertex of the face that is near in the mesh.
+template <int D>
+double Search<D>::squared_distance_to_hint() const {
+  double least = kInfinity;
+  const Index hint = input_.options.use_hints ? input_.hints[query_.element] : kNone;
+  if (hint != kNone)
+    for (const Index v : input_.face_stars[hint].vertices)
+      least = std::min(least, (input_.positions[v] - query_.point).squaredNorm());
+  return least;
+}
+
+template <int D>
+float Search<D>::squared_reach() const {
+  constexpr double kFarBeyond = 8;
+  return round_up(kFarBeyond * kFarBeyond * squared_distance_to_hint());
+}
+
+/// The rules for inverted elements look along the line up to twice a candidate's distance beyond it: three times that
+/// distance from p.
+template <int D>
+void Search<D>::take_defects(float squared_reach, bool look) {
+  float nearest = squared_reach;
+  if (look) {
+    const Box box = input_.frame.around_point(query_.point);
+    visit_nearest(input_.defect_nodes, box, nearest, [&](Index defect, float squared_distance) {
+      if (input_.defects[defect].component == component_ && squared_distance < nearest) nearest = squared_distance;
+      return nearest;
+    });
+  }
+  defect_distance_ = std::sqrt(double(nearest)) * (state_ == ComponentState::kInverted ? 0.333 : 1.0);
+  safe_distance_ = is_on_own_ ? 0 : defect_distance_;
+}
+
+}  // namespace SELVAGE_ISA
+}  // namespace selvage

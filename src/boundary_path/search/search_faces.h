@@ -1,0 +1,208 @@
+#pragma once
+
+#include "boundary_path/search/search.h"
+
+/// What a Search does with one boundary face: whether it is a candidate, whether a neighbour comes closer, and where
+/// its segment leads.
+namespace selvage {
+inline namespace SELVAGE_ISA {
+
+/// Boundary faces that have all the vertices on which p lies.
+template <int D>
+bool Search<D>::is_excluded(Index face) const {
+  if (query_.source[0] == kNone) return false;
+  const auto& ids = input_.face_stars[face].vertices;
+  return contains(ids, query_.source[0]) && (query_.source[1] == kNone || contains(ids, query_.source[1]));
+}
+
+template <int D>
+bool Search<D>::is_new(Index face) {
+  Index& slot = seen_[face % kRemembered];
+  if (slot == face) return false;
+  slot = face;
+  return true;
+}
+
+template <int D>
+void Search<D>::consider(Index face, unsigned feature, bool follow, const Candidate<D>* known) {
+  while (face != kNone && is_new(face)) {
+    if (!may_end_at(face)) return;
+    if (counters_ != nullptr) ++counters_->faces_visited;
+    using Estimate = typename CandidateFactory<D>::Estimate;
+    const Estimate estimate = feature != 0 ? Estimate{0, 0, feature, false} : candidates_.estimate(face);
+    const double limit = reject_above_ + estimate.error;
+    if (estimate.squared_distance > limit * limit) return;
+    if (!estimate.ambiguous && is_known(face, estimate.mask)) return;
+    Candidate<D> made;
+    if (known == nullptr) made = candidates_.make(face, estimate);
+    const Candidate<D>& candidate = known != nullptr ? *known : made;
+    if (is_worse(candidate) || was_dismissed(candidate.ids)) return;
+    if (is_zero(candidate.offset)) return test_touching(candidate);
+    const Index closer = input_.options.cull_infeasible_regions ? closer_neighbour(candidate) : kNone;
+    if (closer == kNone) return test(candidate);
+    if (counters_ != nullptr) ++counters_->culled;
+    dismiss(candidate);
+    face = follow ? closer : kNone;
+    feature = 0;
+    known = nullptr;
+  }
+}
+
+/// Farther than the answer. Of candidates that are equally far in double precision the one inside the larger feature is
+/// taken, which is a rounding away from the other (and which culling would leave), then the one on the smaller face.
+template <int D>
+bool Search<D>::is_worse(const Candidate<D>& candidate) const {
+  if (candidate.squared_distance != squared_bound()) return candidate.squared_distance > squared_bound();
+  if (candidate.squared_distance != best_squared_) return false;
+  if (candidate.target.count != best_.target.count) return candidate.target.count < best_.target.count;
+  if (candidate.ids == best_.ids && !follows_inverted_rules(candidate) && !is_split(input_, candidate)) return true;
+  return smallest_face(candidate) >= smallest_face(best_);
+}
+
+/// Whether the feature is that of the answer so far, or known not to be that of any.
+template <int D>
+bool Search<D>::is_known(Index face, unsigned mask) const {
+  VertexTuple<D> ids;
+  ids.fill(kNone);
+  int count = 0;
+  for (int k = 0; k < D; ++k)
+    if ((mask >> k & 1) != 0) ids[count++] = input_.face_stars[face].vertices[k];
+  if (count == D) return false;
+  if (count == 2 && ids[0] > ids[1]) std::swap(ids[0], ids[1]);
+  return (best_.face != kNone && ids == best_.ids && !follows_inverted_rules(best_) && !is_split(input_, best_)) ||
+         was_dismissed(ids);
+}
+
+template <int D>
+bool Search<D>::was_dismissed(const VertexTuple<D>& ids) const {
+  for (int i = 0; i < std::min(dismissed_count_, kDismissed); ++i)
+    if (dismissed_[i] == ids) return true;
+  return false;
+}
+
+/// The feature is not that of the answer, through whatever face it is found.
+template <int D>
+void Search<D>::dismiss(const Candidate<D>& candidate) {
+  if (candidate.target.count < D && !follows_inverted_rules(candidate) && !is_split(input_, candidate))
+    dismissed_[dismissed_count_++ % kDismissed] = candidate.ids;
+}
+
+/// A face next to the candidate's vertex or edge that comes closer to p: then the candidate is not the answer (SPB
+/// section 3.6). kNone when there is none, when rounding leaves a doubt, or when the argument does not hold there.
+template <int D>
+Index Search<D>::closer_neighbour(const Candidate<D>& candidate) const {
+  if (candidate.target.count == D) return kNone;
+  if (!(std::sqrt(candidate.squared_distance) < safe_distance_)) return kNone;
+  const auto comes_closer = [&](Index from, Index to) {
+    const Vec<D>&a = input_.positions[from], &b = input_.positions[to];
+    double slope = 0, bound = 0;
+    for (int i = 0; i < D; ++i) {
+      const double step = b[i] - a[i];
+      slope += candidate.offset[i] * step;
+      bound += (8 * kUnitRoundoff * std::abs(candidate.offset[i]) + candidate.offset_error) * std::abs(step);
+    }
+    return slope < -2 * bound - kTrustAbove;
+  };
+  const FaceStar<D>& star = input_.face_stars[candidate.face];
+  const auto proves_nothing = [&](Index face) { return !may_cull_towards_source() && is_excluded(face); };
+  const auto neighbour = [&](int k, Index from) {
+    const Index other = input_.boundary_neighbours[candidate.face][k];
+    return proves_nothing(other) || !comes_closer(from, star.apexes[k]) ? kNone : other;
+  };
+  if (candidate.target.count == 2) {
+    const Index a = candidate.ids[0], b = candidate.ids[1];
+    if (!input_.cullable[a] && !input_.cullable[b]) return kNone;
+    int k = 0;
+    while (star.vertices[k] == a || star.vertices[k] == b) ++k;
+    return neighbour(k, a);
+  }
+  const Index v = candidate.ids[0];
+  if (!input_.cullable[v]) return kNone;
+  for (int k = 0; k < D; ++k) {
+    const Index closer = star.vertices[k] == v ? kNone : neighbour(k, v);
+    if (closer != kNone) return closer;
+  }
+  for (Index face : input_.mesh->vertex_boundary_faces(v)) {
+    if (proves_nothing(face)) continue;
+    for (Index w : input_.face_stars[face].vertices)
+      if (w != v && comes_closer(v, w)) return face;
+  }
+  return kNone;
+}
+
+/// p itself lies on the face. It is a candidate only for a penetrating vertex or edge that touches it.
+template <int D>
+void Search<D>::test_touching(const Candidate<D>& candidate) {
+  if (query_.source[0] == kNone) return;
+  if (TetTraversal<D>(input_, query_, strictly_inside_, counters_).is_on(candidate.face)) accept(candidate);
+}
+
+template <int D>
+void Search<D>::test(const Candidate<D>& candidate) {
+  if (is_aiming_ && may_postpone(candidate)) {
+    target_ = candidate;
+    return;
+  }
+  const TetTraversal<D> walk(input_, query_, strictly_inside_, counters_);
+  const double distance = std::sqrt(candidate.squared_distance);
+  TraversalResult result;
+  if (follows_inverted_rules(candidate))
+    result.valid = walk.follow_backwards(candidate);
+  else
+    result = walk.follow(candidate, state_ == ComponentState::kImmersed && squared_bound() == kInfinity);
+  if (result.valid) return accept(candidate);
+  dismiss(candidate);
+  const double length = distance * (result.left_at + kLeftAtError) * kBoundSlack;
+  if (result.left_through == kNone || is_excluded(result.left_through) || !(length < safe_distance_)) return;
+  left_through_ = result.left_through;
+  known_squared_ = std::min(known_squared_, length * length);
+  reject_above_ = std::sqrt(squared_bound()) * kBoundSlack;
+}
+
+template <int D>
+void Search<D>::accept(const Candidate<D>& candidate) {
+  if (input_.options.cull_infeasible_regions) return keep(candidate);
+  const Candidate<D> settled = settle(candidate);
+  if (settled.face == candidate.face || !is_worse(settled)) keep(settled);
+}
+
+template <int D>
+void Search<D>::keep(const Candidate<D>& candidate) {
+  best_ = candidate;
+  best_squared_ = candidate.squared_distance;
+  reject_above_ = std::sqrt(squared_bound()) * kBoundSlack;
+}
+
+/// Without culling a rounding may make an infeasible candidate win over the closer one beside it, to which culling
+/// would have led: that one, if its path is valid.
+template <int D>
+Candidate<D> Search<D>::settle(Candidate<D> candidate) const {
+  constexpr int kMaxSteps = 16;
+  for (int step = 0; step < kMaxSteps; ++step) {
+    const Index closer = closer_neighbour(candidate);
+    if (closer == kNone || is_excluded(closer) || is_zero(candidate.offset)) break;
+    const Candidate<D> next = candidates_.make(closer, candidates_.estimate(closer));
+    const double longer = std::max(next.squared_distance, candidate.squared_distance);
+    if (longer > std::min(next.squared_distance, candidate.squared_distance) * kBoundSlack) break;
+    if (!TetTraversal<D>(input_, query_, strictly_inside_, nullptr).follow(next, false).valid) break;
+    candidate = next;
+  }
+  return candidate;
+}
+
+/// The smallest boundary face at the same corner of the material that has the same closest point: none that is left out
+/// or that comes closer behind the corner.
+template <int D>
+Index Search<D>::smallest_face(const Candidate<D>& candidate) const {
+  Index smallest = candidate.face;
+  if (candidate.target.count == D || follows_inverted_rules(candidate)) return smallest;  // a path of its own
+  visit_feature<D>(input_.boundary_faces, input_.boundary_neighbours, candidate.face, candidate.ids,
+                   candidate.target.count, [&](Index face) {
+                     if (face >= smallest || is_excluded(face) || input_.inverted_owner[face]) return;
+                     if (candidates_.make(face, candidates_.estimate(face)).ids == candidate.ids) smallest = face;
+                   });
+  return smallest;
+}
+
+}  // namespace SELVAGE_ISA
+}  // namespace selvage

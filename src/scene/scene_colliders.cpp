@@ -1,0 +1,63 @@
+#include "scene/scene_description.h"
+
+namespace selvage {
+
+namespace {
+
+constexpr std::array<std::string_view, 6> kShapes{"plane", "box", "bowl", "sphere", "cylinder", "mesh"};
+
+PlaneShape read_plane(JsonObject& object) {
+  return {object.get("point").vector(), object.get("normal").direction()};
+}
+
+BoxContainer read_box(JsonObject& object) {
+  BoxContainer box{object.get("min").vector(), object.get("max").vector()};
+  if (!(box.lower.array() < box.upper.array()).all()) object.value().fail("has no inside", "use a min below the max");
+  return box;
+}
+
+Bowl read_bowl(JsonObject& object) {
+  Bowl bowl;
+  bowl.centre = object.get("centre").vector();
+  bowl.radius = object.get("radius").number(kPositive);
+  if (const auto v = object.find("axis")) bowl.axis = v->direction();
+  return bowl;
+}
+
+SphereShape read_sphere(JsonObject& object) {
+  return {object.get("centre").vector(), object.get("radius").number(kPositive)};
+}
+
+CylinderShape read_cylinder(JsonObject& object) {
+  return {object.get("centre").vector(), object.get("axis").direction(), object.get("radius").number(kPositive),
+          object.get("length").number(kPositive)};
+}
+
+}  // namespace
+
+ColliderDescription read_collider(const JsonValue& value, const std::filesystem::path& folder) {
+  JsonObject object(value);
+  ColliderDescription result;
+  const auto [kind, chosen] = object.get_one_of(kShapes);
+  if (const auto v = object.find("static_friction")) result.collider.static_friction = v->number(kNotNegative);
+  if (const auto v = object.find("dynamic_friction")) result.collider.dynamic_friction = v->number(kNotNegative);
+  if (const auto v = object.find("motion")) result.collider.motion = read_motion(*v);
+  if (kShapes[kind] == "mesh") {
+    result.mesh = read_mesh_source(chosen, folder);
+    result.place = read_placement(object);
+    object.refuse_others();
+    return result;
+  }
+  object.refuse_others();
+  JsonObject shape(chosen);
+  auto& solid = result.collider.shape;
+  if (kShapes[kind] == "plane") solid = read_plane(shape);
+  if (kShapes[kind] == "box") solid = read_box(shape);
+  if (kShapes[kind] == "bowl") solid = read_bowl(shape);
+  if (kShapes[kind] == "sphere") solid = read_sphere(shape);
+  if (kShapes[kind] == "cylinder") solid = read_cylinder(shape);
+  shape.refuse_others();
+  return result;
+}
+
+}  // namespace selvage

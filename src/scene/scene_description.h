@@ -1,0 +1,107 @@
+#pragma once
+
+#include "scene/json_value.h"
+#include "selvage/shapes/poses.h"
+#include "selvage/shapes/shapes.h"
+#include "selvage/simulation/model.h"
+#include "selvage/simulation/xpbd.h"
+
+#include <filesystem>
+
+namespace selvage {
+
+/// Where a mesh comes from: a file, or a shape by name.
+struct MeshSource {
+  std::filesystem::path file;  ///< empty: a shape
+  std::string shape;
+  ShapeOptions options;
+  std::string where;  ///< place in the scene, for errors
+};
+
+/// Scaling, then turning, then shifting.
+struct Placement {
+  Vec3 scale = Vec3::Ones();
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  Vec3 shift = Vec3::Zero();
+
+  Vec3 apply(const Vec3& p) const { return turn * p.cwiseProduct(scale) + shift; }
+};
+
+/// A part of space that chooses vertices: a box, or a half space on the side that the normal points to.
+struct Region {
+  bool is_plane = false;
+  Vec3 a, b;  ///< least and largest corner; point and normal
+  std::string where;
+
+  bool holds(const Vec3& p) const {
+    if (is_plane) return (p - a).dot(b) >= 0;
+    return (p.array() >= a.array()).all() && (p.array() <= b.array()).all();
+  }
+};
+
+/// A pose of mesh/poses.h, or a linear map.
+struct NamedPose {
+  std::string name;
+  PoseOptions options;
+  std::optional<Eigen::Matrix3d> matrix;
+  std::string where;
+};
+
+/// Vertices of a body that follow a motion; without keyframes they stay where they are.
+struct HandleDescription {
+  Region region;
+  Motion motion;
+  double release_time;
+};
+
+/// Bodies of one mesh and one material: one, or many copies.
+struct BodyDescription {
+  std::string name;
+  MeshSource mesh;
+  std::optional<MeshSource> rest;
+  std::vector<NamedPose> poses;
+  Placement place;
+  std::vector<Placement> instances;  ///< at least one; each is applied before `place`
+  Material material;
+  Vec3 velocity = Vec3::Zero();
+  std::vector<HandleDescription> handles;
+  std::string where;
+};
+
+/// A collider; of a mesh the shape is filled in when the scene is built.
+struct ColliderDescription {
+  Collider collider;
+  std::optional<MeshSource> mesh;
+  Placement place;  ///< of the mesh
+};
+
+/// What a scene file says, checked: kinds of values, ranges, names. No mesh has been read or made.
+struct SceneDescription {
+  int frames = 60, frames_per_second = 60, substeps = 5;
+  std::int64_t contact_from_frame = 0;
+  XpbdOptions options;
+  std::vector<BodyDescription> bodies;
+  std::vector<ColliderDescription> colliders;
+  std::string canonical;  ///< all that decides a run, as text in one form
+};
+
+/// Understands a scene at one of its scales.
+///
+/// @param text    the document
+/// @param file    its name, for errors; meshes are found relative to its folder
+/// @param scale   name of a scale that the scene has; empty: as it stands
+/// @throws Error  one line with the file, the path within, what is wrong and what is allowed
+SceneDescription describe_scene(std::string_view text, const std::filesystem::path& file, std::string_view scale);
+
+// The parts of describe_scene, each for one kind of object.
+MeshSource read_mesh_source(const JsonValue& value, const std::filesystem::path& folder);
+std::vector<NamedPose> read_poses(const JsonValue& value);
+Placement read_placement(JsonObject& object);
+std::vector<Placement> read_instances(const JsonValue& value);
+Material read_material(const JsonValue& value);
+Region read_region(const JsonValue& value);
+Motion read_motion(const JsonValue& value);
+ColliderDescription read_collider(const JsonValue& value, const std::filesystem::path& folder);
+void read_contact(const JsonValue& value, SceneDescription& scene);
+
+}  // namespace selvage

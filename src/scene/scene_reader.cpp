@@ -1,0 +1,235 @@
+#include "scene/scene_description.h"
+#include "selvage/core/error.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+
+namespace selvage {
+
+namespace {
+
+constexpr double kForever = std::numeric_limits<double>::infinity();
+
+Keyframe read_keyframe(const JsonValue& value) {
+  JsonObject object(value);
+  Keyframe keyframe{object.get("time").number(kNotNegative), Vec3::Zero(), 0};
+  if (const auto v = object.find("translate")) keyframe.translation = v->vector();
+  if (const auto v = object.find("degrees")) keyframe.angle = v->any_number() * std::numbers::pi / 180;
+  object.refuse_others();
+  return keyframe;
+}
+
+/// Lame's constants from compliances, as Young's modulus and Poisson's ratio.
+void set_by_compliance(double hydrostatic, double deviatoric, Material& material) {
+  const double lambda = 1 / hydrostatic, mu = 1 / deviatoric;
+  material.youngs_modulus = mu * (3 * lambda + 2 * mu) / (lambda + mu);
+  material.poisson_ratio = lambda / (2 * (lambda + mu));
+}
+
+void read_neo_hookean(JsonObject& object, Material& material) {
+  const auto modulus = object.find("youngs_modulus"), ratio = object.find("poisson_ratio");
+  const auto hydrostatic = object.find("hydrostatic_compliance"), deviatoric = object.find("deviatoric_compliance");
+  if ((modulus || ratio) && (hydrostatic || deviatoric))
+    object.value().fail("gives both moduli and compliances", "give one pair");
+  if (hydrostatic.has_value() != deviatoric.has_value())
+    object.value().fail("gives one compliance of two", "give hydrostatic_compliance and deviatoric_compliance");
+  if (modulus) material.youngs_modulus = modulus->number(kPositive);
+  if (ratio) material.poisson_ratio = ratio->number({0, 0.499});
+  if (!hydrostatic) return;
+  set_by_compliance(hydrostatic->number(kPositive), deviatoric->number(kPositive), material);
+  if (!std::isfinite(material.youngs_modulus) || !(material.youngs_modulus > 0) || !(material.poisson_ratio < 0.5))
+    object.value().fail("has compliances that are too small or too different",
+                        "give such that Young's modulus is finite and Poisson's ratio below 0.5");
+}
+
+HandleDescription read_handle(const JsonValue& value) {
+  JsonObject object(value);
+  HandleDescription handle{read_region(object.get("region")), read_motion(object.get("motion")), kForever};
+  if (const auto v = object.find("release")) handle.release_time = v->number(kNotNegative);
+  object.refuse_others();
+  return handle;
+}
+
+/// A material, written out or by the name that the scene gives it.
+Material find_material(const JsonValue& value, const std::map<std::string, Material>& named) {
+  if (!value.json().is_string()) return read_material(value);
+  const auto found = named.find(value.text());
+  if (found != named.end()) return found->second;
+  std::vector<std::string> names;
+  names.reserve(named.size());
+  for (const auto& [name, ignored] : named)
+    names.push_back(Json(name).dump(-1, ' ', true, Json::error_handler_t::replace));
+  value.fail("there is no material of that name",
+             names.empty() ? "list it in 'materials'" : fmt::format("use one of {}", fmt::join(names, ", ")));
+}
+
+BodyDescription read_body(const JsonValue& value, std::size_t number, const std::filesystem::path& folder,
+                          const std::map<std::string, Material>& materials) {
+  JsonObject object(value);
+  BodyDescription body;
+  body.where = value.file() + ": " + value.path();
+  body.name = fmt::format("body{}", number);
+  if (const auto v = object.find("name")) body.name = v->text();
+  body.mesh = read_mesh_source(object.get("mesh"), folder);
+  if (const auto v = object.find("rest")) body.rest = read_mesh_source(*v, folder);
+  if (const auto v = object.find("poses")) body.poses = read_poses(*v);
+  body.place = read_placement(object);
+  body.instances.emplace_back();
+  if (const auto v = object.find("instances")) body.instances = read_instances(*v);
+  if (const auto v = object.find("material")) body.material = find_material(*v, materials);
+  if (const auto v = object.find("velocity")) body.velocity = v->vector();
+  if (const auto v = object.find("pinned"))
+    for (const JsonValue& item : v->items()) body.handles.push_back({read_region(item), {}, kForever});
+  if (const auto v = object.find("handles"))
+    for (const JsonValue& item : v->items()) body.handles.push_back(read_handle(item));
+  object.refuse_others();
+  return body;
+}
+
+void read_solver(JsonObject& object, SceneDescription& scene) {
+  scene.frames = 60;
+  if (const auto v = object.find("frames")) scene.frames = static_cast<int>(v->integer(0, 1'000'000));
+  if (const auto v = object.find("frames_per_second"))
+    scene.frames_per_second = static_cast<int>(v->integer(1, 100'000));
+  if (const auto v = object.find("substeps")) scene.substeps = static_cast<int>(v->integer(1, 100'000));
+  scene.options.time_step = 1.0 / (static_cast<double>(scene.frames_per_second) * scene.substeps);
+  if (const auto v = object.find("iterations")) scene.options.iterations = static_cast<int>(v->integer(1, 10'000));
+  if (const auto v = object.find("gravity")) scene.options.gravity = v->vector();
+  if (const auto v = object.find("damping")) scene.options.velocity_damping = v->number(kNotNegative);
+  if (const auto v = object.find("max_speed")) scene.options.max_speed = v->number(kPositive);
+  if (const auto v = object.find("contact")) read_contact(*v, scene);
+}
+
+/// Replaces the values that a scale names by their places (JSON pointers).
+void apply_scale(Json& scene, const JsonValue& replacements) {
+  if (!replacements.json().is_object()) replacements.fail("is no object", "use {\"/place/in/the/scene\": value, ...}");
+  for (const auto& [key, value] : replacements.json().items()) {
+    const JsonValue item = replacements.member(key);
+    try {
+      const Json::json_pointer place(key);
+      const bool inside = !place.empty() && place.back() != "-" && scene.contains(place.parent_pointer());
+      const bool added = inside && scene.at(place.parent_pointer()).is_object();
+      if (!added && !(inside && scene.contains(place)))
+        item.fail("is no place in the scene", "name one, as /bodies/0/mesh/cell");
+      scene[place] = value;
+    } catch (const nlohmann::json::exception&) {
+      item.fail("is no place in the scene", "name one, as /bodies/0/mesh/cell");
+    }
+  }
+}
+
+/// The document at the scale, without the scales.
+Json choose_scale(Json document, const std::string& file, std::string_view scale) {
+  const JsonValue root(document, file);
+  std::vector<std::string> names;
+  Json chosen = Json::object();
+  std::string path;
+  if (root.json().is_object() && root.json().contains("scales")) {
+    const JsonValue scales = root.member("scales");
+    if (!scales.json().is_object()) scales.fail("is no object", "use {\"name\": {...}, ...}");
+    for (const auto& [name, value] : scales.json().items()) {
+      names.push_back(name);
+      if (name != scale) continue;
+      path = scales.member(name).path();
+      chosen = value;
+    }
+  }
+  if (!scale.empty() && std::find(names.begin(), names.end(), scale) == names.end())
+    throw Error(file, fmt::format("has no scale '{}'", scale),
+                names.empty() ? "it has none" : fmt::format("use one of {}", fmt::join(names, ", ")));
+  if (document.is_object()) document.erase("scales");
+  apply_scale(document, JsonValue(chosen, file, path));
+  return document;
+}
+
+/// The document without what does not change the course of a run.
+std::string canonical_text(Json document) {
+  for (const char* key : {"frames", "description", "$schema"}) document.erase(key);
+  return nlohmann::json(document).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace
+
+Motion read_motion(const JsonValue& value) {
+  JsonObject object(value);
+  Motion motion;
+  motion.axis = Vec3::UnitZ();
+  motion.centre = Vec3::Zero();
+  if (const auto v = object.find("axis")) motion.axis = v->direction();
+  if (const auto v = object.find("centre")) motion.centre = v->vector();
+  const JsonValue keyframes = object.get("keyframes");
+  for (const JsonValue& item : keyframes.items()) {
+    motion.keyframes.push_back(read_keyframe(item));
+    const std::size_t last = motion.keyframes.size() - 1;
+    if (last > 0 && !(motion.keyframes[last].time > motion.keyframes[last - 1].time))
+      item.member("time").fail("is not after the keyframe before", "list keyframes in the order of time");
+  }
+  if (motion.keyframes.empty()) keyframes.fail("is empty", "give at least one keyframe");
+  object.refuse_others();
+  return motion;
+}
+
+Material read_material(const JsonValue& value) {
+  JsonObject object(value);
+  Material material;
+  constexpr std::array<std::string_view, 2> kKinds{"neo-hookean", "mass-spring"};
+  if (const auto v = object.find("kind"))
+    material.kind = v->choice(kKinds) == 0 ? MaterialKind::kNeoHookean : MaterialKind::kMassSpring;
+  if (const auto v = object.find("density")) material.density = v->number(kPositive);
+  if (const auto v = object.find("damping")) material.damping = v->number(kNotNegative);
+  if (material.kind == MaterialKind::kNeoHookean) {
+    read_neo_hookean(object, material);
+  } else {
+    if (const auto v = object.find("edge_compliance")) material.edge_compliance = v->number(kNotNegative);
+    if (const auto v = object.find("volume_compliance")) material.volume_compliance = v->number(kNotNegative);
+  }
+  object.refuse_others();
+  return material;
+}
+
+void read_contact(const JsonValue& value, SceneDescription& scene) {
+  JsonObject object(value);
+  ContactOptions& contact = scene.options.contact;
+  constexpr std::array<std::string_view, 4> kModes{"none", "ccd", "dcd", "hybrid"};
+  constexpr std::array<std::string_view, 3> kRules{"shortest-path", "rest-pose", "euclidean"};
+  if (const auto v = object.find("mode")) contact.mode = static_cast<DetectionMode>(v->choice(kModes));
+  if (const auto v = object.find("rule")) contact.rule = static_cast<ClosestPointRule>(v->choice(kRules));
+  if (const auto v = object.find("edges")) contact.detect_edges = v->boolean();
+  if (const auto v = object.find("interior_points")) contact.interior_points = v->boolean();
+  if (const auto v = object.find("static_friction")) scene.options.static_friction = v->number(kNotNegative);
+  if (const auto v = object.find("dynamic_friction")) scene.options.dynamic_friction = v->number(kNotNegative);
+  if (const auto v = object.find("from_frame")) scene.contact_from_frame = v->integer(0, 1'000'000);
+  object.refuse_others();
+}
+
+SceneDescription describe_scene(std::string_view text, const std::filesystem::path& file, std::string_view scale) {
+  const Json document = choose_scale(parse_json(text, file.string()), file.string(), scale);
+  JsonObject object(JsonValue(document, file.string()));
+  SceneDescription scene;
+  object.get("selvage_scene").integer(1, 1);
+  for (const char* key : {"description", "$schema"})
+    if (const auto v = object.find(key)) v->text();
+  object.find("scales");  // choose_scale() has taken it out
+  read_solver(object, scene);
+  std::map<std::string, Material> materials;
+  if (const auto v = object.find("materials")) {
+    if (!v->json().is_object()) v->fail("is no object", "use {\"name\": {...}, ...}");
+    for (const auto& [name, ignored] : v->json().items()) materials.emplace(name, read_material(v->member(name)));
+  }
+  const JsonValue bodies = object.get("bodies");
+  for (const JsonValue& item : bodies.items())
+    scene.bodies.push_back(read_body(item, scene.bodies.size(), file.parent_path(), materials));
+  if (scene.bodies.empty()) bodies.fail("is empty", "give at least one body");
+  if (const auto v = object.find("colliders"))
+    for (const JsonValue& item : v->items()) scene.colliders.push_back(read_collider(item, file.parent_path()));
+  object.refuse_others();
+  scene.canonical = canonical_text(document);
+  return scene;
+}
+
+}  // namespace selvage

@@ -1,0 +1,116 @@
+#include "selvage/scene/run.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+
+namespace selvage {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Row = FrameStatistics;
+
+/// Sums over all frames.
+struct Totals {
+  explicit Totals(const std::vector<Row>& rows) {
+    for (const Row& row : rows) {
+      ccd += row.vertex_faces + row.edge_edges;
+      dcd += row.vertex_paths + row.edge_paths + row.centroid_paths;
+      colliders += row.collider_contacts;
+      queries += row.path_queries;
+      volumes += row.volumes;
+      traversals += row.traversals;
+      elements += row.path_elements;
+      material += row.seconds_material + row.seconds_projection;
+      detect += row.seconds_dcd;
+      paths += row.seconds_paths;
+      continuous += row.seconds_ccd;
+      steps += row.seconds_steps;
+      frames += row.seconds_frame;
+      longest = std::max(longest, row.seconds_frame);
+    }
+  }
+  std::int64_t ccd = 0, dcd = 0, colliders = 0, queries = 0, volumes = 0, traversals = 0, elements = 0;
+  double material = 0, detect = 0, paths = 0, continuous = 0, steps = 0, frames = 0, longest = 0;
+};
+
+double ratio(double part, double whole) {
+  return whole > 0 ? part / whole : 0;
+}
+
+const char* name_of(RunOutcome outcome) {
+  switch (outcome) {
+    case RunOutcome::kFinished:
+      return "finished";
+    case RunOutcome::kExploded:
+      return "exploded";
+    default:
+      return "impossible handles";
+  }
+}
+
+Json averages_per_step(const Totals& totals, double steps) {
+  const auto mean = [&](std::int64_t count) { return ratio(static_cast<double>(count), steps); };
+  return {{"ccd_contacts", mean(totals.ccd)},
+          {"dcd_contacts", mean(totals.dcd)},
+          {"collider_contacts", mean(totals.colliders)},
+          {"path_queries", mean(totals.queries)},
+          {"volumes", mean(totals.volumes)},
+          {"traversals", mean(totals.traversals)},
+          {"elements", mean(totals.elements)}};
+}
+
+Json averages_per_path(const Totals& totals) {
+  const auto mean = [&](std::int64_t count) {
+    return ratio(static_cast<double>(count), static_cast<double>(totals.queries));
+  };
+  return {
+      {"volumes", mean(totals.volumes)}, {"traversals", mean(totals.traversals)}, {"elements", mean(totals.elements)}};
+}
+
+std::string digits(std::uint64_t fingerprint) {
+  return fmt::format("{:016x}", fingerprint);
+}
+
+Json state_at_end(const Row& last, std::uint64_t fingerprint) {
+  return {{"fingerprint", digits(fingerprint)},
+          {"penetrating_vertices", last.penetrating_vertices},
+          {"deepest_penetration", last.deepest_penetration},
+          {"inverted_elements", last.inverted_elements},
+          {"kinetic_energy", last.kinetic_energy},
+          {"fastest", last.fastest}};
+}
+
+}  // namespace
+
+std::string summarize_run(const Scene& scene, const RunReport& report) {
+  const Totals totals(report.frames);
+  const Row& last = report.frames.back();
+  Json json{{"schema", 1}, {"kind", "simulation"}, {"scene", scene.name}, {"scale", scene.scale}};
+  json["scene_fingerprint"] = digits(scene.fingerprint);
+  json["outcome"] = name_of(report.outcome);
+  if (!report.message.empty()) json["message"] = report.message;
+  json["bodies"] = scene.model.bodies.size();
+  json["vertices"] = scene.model.mesh.vertex_count();
+  json["elements"] = scene.model.mesh.element_count();
+  json["frames"] = last.frame;
+  json["frames_per_second"] = scene.frames_per_second;
+  json["steps"] = last.steps;
+  json["time_step"] = scene.options.time_step;
+  json["iterations"] = scene.options.iterations;
+  json["average_per_step"] = averages_per_step(totals, static_cast<double>(last.steps));
+  json["average_per_path"] = averages_per_path(totals);
+  json["at_end"] = state_at_end(last, report.fingerprint);
+  json["frame_seconds"] = {{"average", ratio(totals.frames, static_cast<double>(last.frame))},
+                           {"longest", totals.longest}};
+  json["shares"] = {{"material", ratio(totals.material, totals.steps)},
+                    {"ccd", ratio(totals.continuous, totals.steps)},
+                    {"dcd", ratio(totals.detect, totals.steps)},
+                    {"paths", ratio(totals.paths, totals.steps)}};
+  json["seconds"] = {{"steps", totals.steps}, {"frames", totals.frames}};
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace selvage

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "core/isa.h"
+#include "self_collision/surface/continuous_input.h"
+
+namespace selvage {
+
+// Finds what meets of the triangles below a pair of nodes; of those in pieces of a list of neighbours that share no
+// vertex; and of listed pairs of triangles.
+#define SELVAGE_CONTINUOUS_KERNEL                                                                     \
+  void find_continuous_collisions(const ContinuousInput&, NodePair start, ContinuousResult&);         \
+  void find_meeting_strangers(const ContinuousInput&, std::span<const SelfPiece>, ContinuousResult&); \
+  void test_listed_pairs(const ContinuousInput&, std::span<const IndexPair>, ContinuousResult&);
+namespace baseline {
+SELVAGE_CONTINUOUS_KERNEL
+}
+namespace avx2 {
+SELVAGE_CONTINUOUS_KERNEL
+}
+namespace avx512 {
+SELVAGE_CONTINUOUS_KERNEL
+}
+#undef SELVAGE_CONTINUOUS_KERNEL
+
+/// Decide a pair exactly, unless it is known to meet, and note it where it counts. Compiled once, for every x86-64.
+void decide_vertex_face(const ContinuousInput& input, Index vertex, Index face, bool do_meet, ContinuousResult& result);
+void decide_edge_edge(const ContinuousInput& input, Index first, Index second, bool do_meet, ContinuousResult& result);
+
+}  // namespace selvage

@@ -1,0 +1,50 @@
+#include "self_collision/continuous/continuous_kernel.h"
+#include "self_collision/surface/moving_points.h"
+#include "self_collision/surface/pair_filter.h"
+
+#include "selvage/geometry/moving_distance.h"
+
+#include <algorithm>
+
+namespace selvage {
+
+namespace {
+
+bool do_meet_or_near(const ContinuousInput& input, Index vertex, Index face) {
+  const MovingPoints points = moving_points(input, vertex, face);
+  if (vertex_meets_face(points)) return true;
+  const double* const thickness = input.vertex_thickness;
+  if (thickness == nullptr) return false;
+  const auto& [a, b, c] = input.triangles[face].vertices;
+  return vertex_comes_near_face(points, thickness[vertex] + std::max({thickness[a], thickness[b], thickness[c]}));
+}
+
+bool do_edges_meet_or_near(const ContinuousInput& input, Index first, Index second) {
+  const MovingPoints points = moving_edges(input, first, second);
+  if (edge_meets_edge(points)) return true;
+  const double* const thickness = input.vertex_thickness;
+  if (thickness == nullptr) return false;
+  const auto of = [&](const VertexTuple<2>& edge) { return std::max(thickness[edge[0]], thickness[edge[1]]); };
+  return edge_comes_near_edge(points, of(input.edges[first]) + of(input.edges[second]));
+}
+
+}  // namespace
+
+void decide_vertex_face(const ContinuousInput& input, Index vertex, Index face, bool do_meet,
+                        ContinuousResult& result) {
+  if (input.filter != nullptr && !input.filter->keeps_vertex_face(vertex, face)) return;
+  result.counters.exact_tests += !do_meet;
+  if (!do_meet && !do_meet_or_near(input, vertex, face)) return;
+  result.pairs.vertex_face.push_back({vertex, face});
+  if (result.stop != nullptr) result.stop->store(true, std::memory_order_relaxed);
+}
+
+void decide_edge_edge(const ContinuousInput& input, Index first, Index second, bool do_meet, ContinuousResult& result) {
+  if (input.filter != nullptr && !input.filter->keeps_edges(first, second)) return;
+  result.counters.exact_tests += !do_meet;
+  if (!do_meet && !do_edges_meet_or_near(input, first, second)) return;
+  result.pairs.edge_edge.push_back({first, second});
+  if (result.stop != nullptr) result.stop->store(true, std::memory_order_relaxed);
+}
+
+}  // namespace selvage

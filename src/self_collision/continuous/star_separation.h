@@ -1,0 +1,68 @@
+#pragma once
+
+#include "bvh/overlap.h"
+#include "selvage/mesh/triangle_mesh.h"
+
+namespace selvage {
+
+/// Stars of a moving surface, each all triangles around a vertex, that are known to hold no two triangles which meet
+/// during a step but in their common vertices.
+///
+/// A star is measured once: how far apart the features of its triangles are that share no vertex, and where its
+/// vertices lie as seen from its middle. As long as none of them has moved by half that distance, however the star
+/// as a whole was moved and turned, no two of its triangles can have met. See docs/contact.md.
+class StarSeparation {
+ public:
+  /// @param mesh  must outlive this
+  explicit StarSeparation(const TriangleMesh& mesh);
+
+  /// Whether most of a few stars change so little in a step that what is measured will last for several: measuring
+  /// costs about as much as comparing the triangles three times.
+  bool are_calm(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) const;
+
+  /// Takes a step, and measures stars again that have changed their shape. O(n), parallel; deterministic.
+  void place(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1);
+
+  /// Vertices whose stars may hold triangles that meet; ascending.
+  std::span<const Index> open() const { return open_; }
+  bool is_open(Index vertex) const { return is_open_[vertex] != 0; }
+
+  /// Pairs of triangles with common vertices of which every star is open, those of the star of that vertex which have
+  /// no common vertex before it: over all open stars each pair once.
+  void append_pairs(Index vertex, std::vector<IndexPair>& pairs) const;
+
+  std::int64_t count() const { return std::ssize(middles_); }
+  /// How many stars were measured for this step.
+  std::int64_t measured_count() const { return measured_count_; }
+
+ private:
+  /// What is known of a star.
+  struct Star {
+    double reach = 0;           ///< how far a vertex may move as seen from the middle [m]; 0: not known
+    std::uint8_t waiting = 0;   ///< steps before it is measured again
+    std::uint8_t patience = 0;  ///< times in a row that this has not helped
+  };
+
+  bool update(Index vertex, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1);
+  void measure(Index vertex, std::span<const Vec3> positions);
+  double separation(Index vertex, std::span<const Vec3> positions) const;
+  bool stays_near_turned(Index vertex, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) const;
+  bool is_within_reach(Index vertex, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1);
+  bool is_calm(Index vertex, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) const;
+
+  std::span<const Index> around(Index vertex) const {
+    return std::span(around_).subspan(first_[vertex], first_[vertex + 1] - first_[vertex]);
+  }
+
+  const TriangleMesh& mesh_;
+  std::vector<Index> middles_;         ///< vertices with at least two triangles
+  std::vector<Index> first_, around_;  ///< per vertex the others of its star, first two that share a triangle with it
+  std::vector<Vec3> shape_;            ///< for each of them where it lay when measured, in the frame of the star
+  std::vector<Vec3> turned_;           ///< the same, turned as the star was when it last had to be
+  std::vector<Star> stars_;            ///< per vertex
+  std::vector<std::uint8_t> is_open_;  ///< per vertex
+  std::vector<Index> open_;
+  std::int64_t measured_count_ = 0;
+};
+
+}  // namespace selvage

@@ -1,0 +1,220 @@
+#pragma once
+
+#include "self_collision/surface/continuous_input.h"
+#include "self_collision/surface/plane_filter.h"
+
+namespace selvage {
+inline namespace SELVAGE_ISA {
+
+/// The same point of eight pairs at one time and at a later one.
+struct MovingCorner {
+  WideCorner start, end;
+};
+SELVAGE_INLINE MovingCorner operator-(const MovingCorner& a, const MovingCorner& b) {
+  return {a.start - b.start, a.end - b.end};
+}
+
+/// Gathers eight rows into a point.
+SELVAGE_INLINE MovingCorner gather_moving(const MovingRow* rows, const Index (&vertices)[8]) {
+  Float8 low[4], high[4];
+  for (int i = 0; i < 4; ++i) {
+    low[i] = Float8::load(rows[vertices[i]].coordinates);
+    high[i] = Float8::load(rows[vertices[i + 4]].coordinates);
+  }
+  transpose(low[0], low[1], low[2], low[3]);
+  transpose(high[0], high[1], high[2], high[3]);
+  MovingCorner corner;
+  Float8* const start[] = {&corner.start.x, &corner.start.y, &corner.start.z};
+  Float8* const end[] = {&corner.end.x, &corner.end.y, &corner.end.z};
+  for (int k = 0; k < 3; ++k) {
+    *start[k] = Float8::join(low[k].low(), high[k].low());
+    *end[k] = Float8::join(low[k].high(), high[k].high());
+  }
+  return corner;
+}
+
+/// What some numbers reach at the start and at the end of a part of the step.
+struct MovingExtent {
+  Float8 lower[2], upper[2];
+
+  SELVAGE_INLINE MovingExtent() = default;
+  SELVAGE_INLINE MovingExtent(Float8 start, Float8 end) : lower{start, end}, upper{start, end} {}
+
+  SELVAGE_INLINE MovingExtent joined(const MovingExtent& other) const {
+    MovingExtent all;
+    for (int s = 0; s < 2; ++s) {
+      all.lower[s] = min(lower[s], other.lower[s]);
+      all.upper[s] = max(upper[s], other.upper[s]);
+    }
+    return all;
+  }
+
+  /// Lanes in which all numbers are above the others by at least the bound at both ends, or below them: then they are
+  /// so all the time.
+  SELVAGE_INLINE unsigned apart_from(const MovingExtent& other, Float8 bound) const {
+    return (less_equal(bound, lower[0] - other.upper[0]) & less_equal(bound, lower[1] - other.upper[1])) |
+           (less_equal(bound, other.lower[0] - upper[0]) & less_equal(bound, other.lower[1] - upper[1]));
+  }
+};
+
+/// Eight pairs of two sets of points that move: a vertex and the three of a face, the two ends of an edge and those of
+/// another, the corners of two triangles. Told apart by directions along which the first set lies before the second at
+/// the start and at the end of the step, or of all parts of it: then it does all the time.
+template <int kFirst, int kSecond>
+class MovingSets {
+ public:
+  static constexpr int kPoints = kFirst + kSecond;
+
+  /// @param vertices  for each of the points, the eight vertices
+  /// @param thickness  per vertex, or null: sets are apart where they are farther apart than the largest of the one and
+  ///                   the largest of the other together
+  SELVAGE_INLINE MovingSets(const MovingRow* rows, const Index (&vertices)[kPoints][8], const float* thickness) {
+    for (int i = 0; i < kPoints; ++i) points_[i] = gather_moving(rows, vertices[i]);
+    // As the first one sees the others: what all have in common of their places and motions costs no bits.
+    const MovingCorner origin = points_[0];
+    far_ = Float8::broadcast(0);
+    for (MovingCorner& point : points_) {
+      point = point - origin;
+      far_ = max(far_, max(reach(point.start), reach(point.end)));
+    }
+    // Along a direction, two positions of which each is off by a rounding, and ten more of each while times are
+    // shortened and dot products taken: in all less than this for each unit of the sum of the direction's coordinates.
+    error_ = Float8::broadcast(4.1f * kFrameRounding) + far_ * Float8::broadcast(0x1p-19f);
+    gap_ = thickness == nullptr ? error_ : error_ + distance(thickness, vertices);
+  }
+
+  /// What a point reaches along an axis, and the gap that tells two such apart.
+  SELVAGE_INLINE MovingExtent extent(int point, Float8 WideCorner::*axis) const {
+    return {points_[point].start.*axis, points_[point].end.*axis};
+  }
+  SELVAGE_INLINE Float8 gap() const { return gap_; }
+
+  /// Lanes whose sets certainly never meet.
+  SELVAGE_INLINE unsigned apart() const { return apart_in_part(points_); }
+
+  /// Lanes whose sets certainly meet, of a vertex and a face or two edges.
+  SELVAGE_INLINE unsigned meet() const { return meet_in_part(points_); }
+
+  /// Leaves a part of the time: from one fraction of it to another.
+  SELVAGE_INLINE void shorten(Float8 from, Float8 to) {
+    for (MovingCorner& point : points_) {
+      const WideCorner way = point.end - point.start;
+      point = {sum(point.start, times(way, from)), sum(point.start, times(way, to))};
+    }
+  }
+
+ private:
+  using Points = MovingCorner[kPoints];
+  SELVAGE_INLINE static WideCorner times(const WideCorner& a, Float8 s) { return {a.x * s, a.y * s, a.z * s}; }
+  SELVAGE_INLINE static WideCorner sum(const WideCorner& a, const WideCorner& b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+  }
+
+  /// The sum of both sets' thickness, rounded up.
+  SELVAGE_INLINE static Float8 distance(const float* thickness, const Index (&vertices)[kPoints][8]) {
+    float sums[8];
+    for (int lane = 0; lane < 8; ++lane) {
+      float first = 0, second = 0;
+      for (int i = 0; i < kPoints; ++i) {
+        float& largest = i < kFirst ? first : second;
+        const float own = thickness[vertices[i][lane]];
+        largest = own > largest ? own : largest;
+      }
+      sums[lane] = (first + second) * 1.000001f;
+    }
+    return Float8::load(sums);
+  }
+
+  SELVAGE_INLINE unsigned apart_in_part(const Points& points) const {
+    unsigned apart = 0;
+    for (Float8 WideCorner::*const axis : {&WideCorner::x, &WideCorner::y, &WideCorner::z})
+      apart |= apart_by([&](const WideCorner& x) { return x.*axis; }, points, gap_);
+    return apart == 0xff ? apart : apart | apart_in_the_middle(points);
+  }
+
+  /// Lanes whose sets certainly meet: the four points change their orientation, so that some moment brings them into
+  /// one plane, while their shadows along one direction cross properly all the time.
+  SELVAGE_INLINE unsigned meet_in_part(const Points& points) const {
+    // A coordinate of a difference of two points is off by less than error_, and no larger than this.
+    const Float8 largest = far_ + far_;
+    const Float8 volume_bound = largest * largest * error_ * Float8::broadcast(32) + Float8::broadcast(1e-30f);
+    const auto volume = [&](WideCorner MovingCorner::*time) {
+      const WideCorner &a = points[0].*time, &b = points[1].*time, &c = points[2].*time, &d = points[3].*time;
+      return dot(b - a, cross(c - a, d - a));
+    };
+    const Float8 before = volume(&MovingCorner::start), after = volume(&MovingCorner::end);
+    const unsigned turning = (less_equal(volume_bound, before) & less_equal(volume_bound, negative(after))) |
+                             (less_equal(volume_bound, negative(before)) & less_equal(volume_bound, after));
+    if (turning == 0) return 0;
+    WideCorner m[kPoints];
+    for (int i = 0; i < kPoints; ++i) m[i] = sum(points[i].start, points[i].end);
+    const WideCorner along = kFirst == 1 ? cross(m[2] - m[1], m[3] - m[1]) : cross(m[1] - m[0], m[3] - m[2]);
+    const Float8 bound =
+        (magnitude(along.x) + magnitude(along.y) + magnitude(along.z)) * largest * error_ * Float8::broadcast(8) +
+        Float8::broadcast(1e-30f);
+    /// On which side of the line through two points another is, seen along the direction: the least and the most of the
+    /// coefficients in Bernstein form.
+    const auto side = [&](int from, int to, int of) {
+      const MovingCorner edge = points[to] - points[from], other = points[of] - points[from];
+      const MovingCorner left{cross(along, edge.start), cross(along, edge.end)};
+      const Float8 mixed = (dot(left.start, other.end) + dot(left.end, other.start)) * Float8::broadcast(0.5f);
+      const Float8 first = dot(left.start, other.start), last = dot(left.end, other.end);
+      return Side{min(min(first, last), mixed), max(max(first, last), mixed)};
+    };
+    if constexpr (kFirst == 1) {
+      const Float8 least = min(min(side(1, 2, 0).least, side(2, 3, 0).least), side(3, 1, 0).least);
+      return turning & less_equal(bound, least);
+    } else {
+      const auto opposite = [&](const Side& a, const Side& b) {
+        return (less_equal(bound, a.least) & less_equal(bound, negative(b.most))) |
+               (less_equal(bound, b.least) & less_equal(bound, negative(a.most)));
+      };
+      return turning & opposite(side(0, 1, 2), side(0, 1, 3)) & opposite(side(2, 3, 0), side(2, 3, 1));
+    }
+  }
+
+  struct Side {
+    Float8 least, most;
+  };
+
+  /// The directions that tell the points apart as they lie in the middle of the time, wherever they do not meet then:
+  /// for a vertex, the face's normal and those of its sides; for edges, what is normal to both, and in the plane of
+  /// both what is normal to one; what is left for parallel ones. For triangles only their normals.
+  SELVAGE_INLINE unsigned apart_in_the_middle(const Points& points) const {
+    WideCorner m[kPoints];
+    for (int i = 0; i < kPoints; ++i) m[i] = sum(points[i].start, points[i].end);
+    const auto apart = [&](const WideCorner& direction) { return apart_along(direction, points); };
+    if constexpr (kFirst == 1) {
+      const WideCorner ab = m[2] - m[1], bc = m[3] - m[2], ca = m[1] - m[3], normal = cross(ab, bc);
+      return apart(normal) | apart(cross(normal, ab)) | apart(cross(normal, bc)) | apart(cross(normal, ca));
+    } else if constexpr (kFirst == 2) {
+      const WideCorner u = m[1] - m[0], v = m[3] - m[2], w = m[2] - m[0], normal = cross(u, v);
+      const WideCorner aside = times(w, dot(u, u)) - times(u, dot(u, w));
+      return apart(normal) | apart(cross(normal, u)) | apart(cross(normal, v)) | apart(aside) | apart(u);
+    } else {
+      return apart(cross(m[1] - m[0], m[2] - m[0])) | apart(cross(m[4] - m[3], m[5] - m[3]));
+    }
+  }
+
+  SELVAGE_INLINE unsigned apart_along(const WideCorner& direction, const Points& points) const {
+    const Float8 length = magnitude(direction.x) + magnitude(direction.y) + magnitude(direction.z);
+    return apart_by([&](const WideCorner& x) { return dot(direction, x); }, points,
+                    gap_ * length + Float8::broadcast(1e-30f));
+  }
+
+  template <typename Measure>
+  SELVAGE_INLINE static unsigned apart_by(Measure&& measure, const Points& points, Float8 bound) {
+    const auto extent = [&](int first, int last) {
+      MovingExtent all(measure(points[first].start), measure(points[first].end));
+      for (int i = first + 1; i < last; ++i) all = all.joined({measure(points[i].start), measure(points[i].end)});
+      return all;
+    };
+    return extent(0, kFirst).apart_from(extent(kFirst, kPoints), bound);
+  }
+
+  Points points_;
+  Float8 far_, error_, gap_;
+};
+
+}  // namespace SELVAGE_ISA
+}  // namespace selvage

@@ -1,0 +1,52 @@
+#pragma once
+
+#include "selvage/core/types.h"
+#include "shapes/shape_arguments.h"
+
+#include <numbers>
+
+namespace selvage {
+
+/// How many cells a structured shape gets in each direction, and how many elements that makes; as doubles, for they may
+/// be huge.
+struct ShapeCells {
+  double u, v, w;
+  double elements;
+};
+
+inline ShapeCells box_cells(const Vec3& size, double cell) {
+  const double x = cell_count(size[0], cell), y = cell_count(size[1], cell), z = cell_count(size[2], cell);
+  return {x, y, z, 6 * x * y * z};
+}
+
+/// Elements of rods and tubes are at most this much longer than thick, however large the cell: then their dihedral
+/// angles stay above 8 degrees.
+inline constexpr double kLongest = 4;
+
+/// Layers through the wall, cells around, cells along.
+inline ShapeCells tube_cells(double outer_radius, double inner_radius, double length, double cell) {
+  const double layers = cell_count(outer_radius - inner_radius, cell);
+  const double longest = kLongest * (outer_radius - inner_radius);
+  if (cell > longest) cell = longest;
+  const double around = cell_count(std::numbers::pi * (outer_radius + inner_radius), cell, 12);
+  const double along = cell_count(length, cell);
+  return {layers, around, along, 6 * layers * around * along};
+}
+
+/// Rings of the disc, layers of prisms along the sweep.
+inline ShapeCells swept_cells(double length, double radius, double cell, double fewest_layers) {
+  const double rings = cell_count(radius, cell);
+  const double longest = kLongest * radius;
+  const double layers = cell_count(length, cell > longest ? longest : cell, fewest_layers);
+  return {rings, layers, 0, 3 * 6 * rings * rings * layers};
+}
+
+/// A ring needs a few layers to be round, a knot more to keep its form.
+inline constexpr double kMinTorusLayers = 12, kMinKnotLayers = 64;
+
+inline ShapeCells cloth_cells(double width, double height, double cell) {
+  const double columns = cell_count(width, cell), rows = cell_count(height, cell);
+  return {columns, rows, 0, 2 * columns * rows};
+}
+
+}  // namespace selvage

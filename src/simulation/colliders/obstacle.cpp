@@ -1,0 +1,99 @@
+#include "simulation/colliders/obstacle.h"
+
+#include "selvage/core/error.h"
+
+#include <fmt/format.h>
+
+namespace selvage {
+
+namespace {
+
+void demand(bool good, const std::string& where, std::string_view what, std::string_view remedy) {
+  if (!good) throw Error(where, what, remedy);
+}
+
+void demand_length(double length, const std::string& where, std::string_view name) {
+  demand(length > 0 && std::isfinite(length), where, fmt::format("its {} is {}", name, length),
+         "give a number above 0");
+}
+
+Vec3 make_unit(const Vec3& direction, const std::string& where, std::string_view name) {
+  demand(direction.allFinite() && direction.norm() > 0, where, fmt::format("its {} is 0 or not finite", name),
+         "give a direction");
+  return direction.normalized();
+}
+
+/// The obstacles of a shape; the walls of a container look inwards.
+using Solids = std::vector<decltype(Obstacle::solid)>;
+
+Solids make_solids(const std::string& where, PlaneShape plane) {
+  plane.normal = make_unit(plane.normal, where, "normal");
+  demand(plane.point.allFinite(), where, "its point is not finite", "");
+  return {plane};
+}
+
+Solids make_solids(const std::string& where, const BoxContainer& box) {
+  demand((box.lower.array() < box.upper.array()).all() && box.lower.allFinite() && box.upper.allFinite(), where,
+         "its lower corner is not below its upper one", "give finite corners");
+  Solids walls;
+  for (int axis = 0; axis < 3; ++axis) {
+    walls.push_back(PlaneShape{box.lower, Vec3::Unit(axis)});
+    walls.push_back(PlaneShape{box.upper, -Vec3::Unit(axis)});
+  }
+  return walls;
+}
+
+Solids make_solids(const std::string& where, Bowl bowl) {
+  demand_length(bowl.radius, where, "radius");
+  demand(bowl.centre.allFinite(), where, "its centre is not finite", "");
+  bowl.axis = make_unit(bowl.axis, where, "axis");
+  return {bowl};
+}
+
+Solids make_solids(const std::string& where, const SphereShape& sphere) {
+  demand_length(sphere.radius, where, "radius");
+  demand(sphere.centre.allFinite(), where, "its centre is not finite", "");
+  return {sphere};
+}
+
+Solids make_solids(const std::string& where, CylinderShape cylinder) {
+  demand_length(cylinder.radius, where, "radius");
+  demand_length(cylinder.length, where, "length");
+  demand(cylinder.centre.allFinite(), where, "its centre is not finite", "");
+  cylinder.axis = make_unit(cylinder.axis, where, "axis");
+  return {cylinder};
+}
+
+Solids make_solids(const std::string& where, const MeshShape& shape) {
+  return {MeshSolid(where, shape)};
+}
+
+}  // namespace
+
+std::vector<Obstacle> make_obstacles(std::span<const Collider> colliders) {
+  std::vector<Obstacle> obstacles;
+  for (std::size_t i = 0; i < colliders.size(); ++i) {
+    const Collider& collider = colliders[i];
+    const std::string where = fmt::format("collider {}", i);
+    check_motion(where, collider.motion);
+    demand(collider.static_friction >= 0 && collider.dynamic_friction >= 0, where, "its friction is negative",
+           "give numbers of at least 0");
+    for (auto& solid : std::visit([&](const auto& shape) { return make_solids(where, shape); }, collider.shape))
+      obstacles.push_back({std::move(solid), collider.motion, {collider.static_friction, collider.dynamic_friction}});
+  }
+  return obstacles;
+}
+
+void check_motion(const std::string& where, const Motion& motion) {
+  demand(motion.axis.allFinite() && motion.axis.norm() > 0 && motion.centre.allFinite(), where,
+         "the axis or centre of its motion is not finite, or the axis is 0", "");
+  for (std::size_t i = 0; i < motion.keyframes.size(); ++i) {
+    const Keyframe& keyframe = motion.keyframes[i];
+    demand(std::isfinite(keyframe.time) && keyframe.translation.allFinite() && std::isfinite(keyframe.angle), where,
+           fmt::format("its key-frame {} is not finite", i), "");
+    demand(i == 0 || motion.keyframes[i - 1].time < keyframe.time, where,
+           fmt::format("its key-frame {} is not later than the one before", i), "let times ascend");
+  }
+}
+
+}  // namespace selvage

@@ -1,0 +1,361 @@
+#pragma once
+
+#include "core/simd/simd_double.h"
+#include "simulation/xpbd/material_kernel.h"
+
+#include <span>
+
+namespace selvage {
+inline namespace SELVAGE_ISA {
+
+using Wide3 = WideDouble[3];
+
+/// Below this squared strain an element is at rest: what a sum of a few numbers near 1 can be off by, squared.
+inline constexpr double kMinSquaredStrain = 1e-30;
+/// In place of a denominator of zero: that of a rigid constraint between pinned vertices, which nothing moves.
+inline constexpr double kMinDenominator = 1e-100;
+
+SELVAGE_INLINE WideDouble constant(double x) {
+  return WideDouble::broadcast(x);
+}
+
+SELVAGE_INLINE WideDouble dot(const Wide3& a, const Wide3& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+SELVAGE_INLINE void cross(const Wide3& a, const Wide3& b, Wide3& r) {
+  r[0] = a[1] * b[2] - a[2] * b[1];
+  r[1] = a[2] * b[0] - a[0] * b[2];
+  r[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/// The vertices of the block that is being solved, and those that stand in for missing ones.
+struct BlockRows {
+  /// A cache line: what is damped needs both.
+  struct alignas(64) Row {
+    VertexRow now, start;
+  };
+  Row rows[kBlockRows];
+
+  SELVAGE_INLINE const double* of_now() const { return rows->now.position; }
+  SELVAGE_INLINE double* of_now() { return rows->now.position; }
+  SELVAGE_INLINE const double* of_start() const { return rows->start.position; }
+
+  template <bool kDamped>
+  void load(const MaterialTask& task, std::span<const Index> vertices) {
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      rows[i].now = task.vertices[vertices[i]];
+      if constexpr (kDamped) rows[i].start = task.start[vertices[i]];
+    }
+    for (int k = 0; k < 4; ++k) {
+      const VertexRow missing = {{double(k == 1), double(k == 2), double(k == 3)}, 0};
+      rows[vertices.size() + k] = {missing, missing};
+    }
+  }
+
+  void store(const MaterialTask& task, std::span<const Index> vertices) const {
+    for (std::size_t i = 0; i < vertices.size(); ++i) task.vertices[vertices[i]] = rows[i].now;
+  }
+};
+static_assert(sizeof(BlockRows::Row) == sizeof(double) * kRowLength);
+
+/// A constraint of as many elements as there are lanes, while it is solved.
+struct Constraint {
+  Wide3 edges[3];      ///< from vertex 0
+  Wide3 gradients[3];  ///< of vertices 1 to 3
+  Wide3 sum;           ///< of them: the gradient of vertex 0 the other way
+  WideDouble residual;
+  WideDouble rate;            ///< the residual's part by damping
+  WideDouble squared, value;  ///< deviatoric: C^2 and C
+  WideDouble scale;           ///< vertices move against their gradients by so much, times inverse mass
+};
+
+/// The vertices of as many elements as there are lanes.
+struct Corners {
+  WideDouble x[4][4];  ///< position and inverse mass
+
+  SELVAGE_INLINE Corners(const BlockRows& rows, const ElementBatch& batch, int part) {
+    // Written out: a loop over so much would stay one.
+    load_rows(rows.of_now(), batch.rows[0] + part, x[0]);
+    load_rows(rows.of_now(), batch.rows[1] + part, x[1]);
+    load_rows(rows.of_now(), batch.rows[2] + part, x[2]);
+    load_rows(rows.of_now(), batch.rows[3] + part, x[3]);
+  }
+
+  /// The same, and the edges at the start of the step: each offset is used twice while it is in a register.
+  SELVAGE_INLINE Corners(const BlockRows& rows, const ElementBatch& batch, int part, Wide3 (&start)[3]) {
+    WideDouble first[4];
+    load_rows(rows.of_now(), batch.rows[0] + part, x[0]);
+    load_rows(rows.of_start(), batch.rows[0] + part, first);
+    load_with_edge(rows, batch.rows[1] + part, first, x[1], start[0]);
+    load_with_edge(rows, batch.rows[2] + part, first, x[2], start[1]);
+    load_with_edge(rows, batch.rows[3] + part, first, x[3], start[2]);
+  }
+
+  template <int kVertex>
+  SELVAGE_INLINE void store(double* rows, const ElementBatch& batch, int part) const {
+    store_rows(x[kVertex], rows, batch.rows[kVertex] + part);
+  }
+
+  SELVAGE_INLINE void list_edges(Wide3 (&edges)[3]) const {
+    for (int k = 0; k < 3; ++k)
+      for (int i = 0; i < 3; ++i) edges[k][i] = x[k + 1][i] - x[0][i];
+  }
+
+  template <int kVertex>
+  SELVAGE_INLINE void move(const Constraint& by) {
+    WideDouble(&own)[4] = x[kVertex];
+    const WideDouble own_scale = by.scale * own[3];
+    for (int i = 0; i < 3; ++i)
+      if constexpr (kVertex == 0)
+        own[i] = own[i] + own_scale * by.sum[i];
+      else
+        own[i] = own[i] - own_scale * by.gradients[kVertex - 1][i];
+  }
+
+  SELVAGE_INLINE WideDouble weigh(WideDouble of_first, const Wide3& others) const {
+    return x[0][3] * of_first + x[1][3] * others[0] + x[2][3] * others[1] + x[3][3] * others[2];
+  }
+
+ private:
+  SELVAGE_INLINE static void load_with_edge(const BlockRows& rows, const std::uint16_t* offsets,
+                                            const WideDouble (&first)[4], WideDouble (&now)[4], Wide3& edge) {
+    WideDouble start[4];
+    load_rows(rows.of_now(), offsets, now);
+    load_rows(rows.of_start(), offsets, start);
+    for (int i = 0; i < 3; ++i) edge[i] = start[i] - first[i];
+  }
+};
+
+/// Twice the areas of the faces at vertex 0, as vectors: the gradients of six volumes.
+SELVAGE_INLINE void list_areas(const Wide3 (&edges)[3], Wide3 (&areas)[3]) {
+  cross(edges[1], edges[2], areas[0]);
+  cross(edges[2], edges[0], areas[1]);
+  cross(edges[0], edges[1], areas[2]);
+}
+
+SELVAGE_INLINE void add_up(const Wide3 (&a)[3], Wide3& r) {
+  for (int i = 0; i < 3; ++i) r[i] = a[0][i] + a[1][i] + a[2][i];
+}
+
+/// How a constraint of the element moves with the vertices: the gradients of all four weighed by inverse mass.
+SELVAGE_INLINE WideDouble weigh_gradients(const Corners& corners, const Wide3 (&gradients)[3], const Wide3& sum) {
+  const Wide3 squares = {dot(gradients[0], gradients[0]), dot(gradients[1], gradients[1]),
+                         dot(gradients[2], gradients[2])};
+  return corners.weigh(dot(sum, sum), squares);
+}
+
+/// Fetches as much of a batch as two parts of it are, from `part` on.
+SELVAGE_INLINE void fetch(const ElementBatch& batch, int part) {
+  constexpr int kBytes = sizeof(ElementBatch) / kBatch;
+#pragma GCC unroll 32
+  for (int at = 0; at < 2 * WideDouble::kLanes * kBytes; at += 64)
+    prefetch(reinterpret_cast<const char*>(&batch) + part * kBytes + at);
+}
+
+/// Solves the deviatoric and the hydrostatic constraint of elements one after the other. XPBD, with one term more in
+/// the denominator: a quarter of the squared residual times what the gradients weigh at rest. By it no vertex moves
+/// farther than an element at rest is large, however flat the element is now and however small its gradients; near rest
+/// it is nothing, and where the residual is zero it changes nothing.
+template <bool kDeviatoric, bool kDamped, bool kFirst>
+class ElementSolver {
+ public:
+  SELVAGE_INLINE ElementSolver(BlockRows& rows, const MaterialStep& step) : rows_(rows) {
+    deviatoric_ = constant(step.deviatoric);
+    hydrostatic_ = constant(step.hydrostatic);
+    damping_ = constant(step.damping);
+    share_ = constant(1 + step.damping);
+  }
+
+  /// Two parts of a batch, in turns. A constraint ends in a chain of operations that wait for one another, and the
+  /// processor has few places for what waits: when all that moves and stores vertices stands behind the chain, it takes
+  /// in nothing else. So between the end of a chain and what needs it there is always work of the other part. Stores
+  /// have few places, too: those of the first part are spread, and the next batch is fetched where nothing is stored.
+  SELVAGE_INLINE void solve(ElementBatch& batch, int first_part, int second_part, const ElementBatch& next) const {
+    Elements a(rows_, batch, first_part);
+    begin_first(a);
+    Elements b(rows_, batch, second_part);
+    end_first(a);
+    begin_first(b);
+    move_after_first(a);
+    end_first(b);
+    fetch(next, first_part);
+    if constexpr (kDeviatoric) begin_hydrostatic(a);
+    if constexpr (kDeviatoric) end_hydrostatic(a);
+    finish<0>(a);
+    move_after_first(b);
+    finish<1>(a);
+    if constexpr (kDeviatoric) begin_hydrostatic(b);
+    finish<2>(a);
+    if constexpr (kDeviatoric) end_hydrostatic(b);
+    finish<3>(a);
+    finish_all(b);
+  }
+
+  /// One part alone. Not inlined: that would cost the other registers.
+  [[gnu::noinline]] void solve(ElementBatch& batch, int part, const ElementBatch& next) const {
+    fetch(next, part);
+    Elements a(rows_, batch, part);
+    begin_first(a);
+    end_first(a);
+    move_after_first(a);
+    if constexpr (kDeviatoric) begin_hydrostatic(a);
+    if constexpr (kDeviatoric) end_hydrostatic(a);
+    finish_all(a);
+  }
+
+ private:
+  /// As many as there are lanes, while they are solved.
+  struct Elements {
+    ElementBatch& batch;
+    int part;
+    Wide3 start[3];  ///< edges at the start of the step
+    Corners corners;
+    WideDouble weight;  ///< what the gradients of a constraint weigh at rest
+    Constraint constraint;
+
+    SELVAGE_INLINE Elements(const BlockRows& rows, ElementBatch& b, int p) : batch(b), part(p), corners(load(rows)) {}
+
+    SELVAGE_INLINE WideDouble gram(int i) const { return WideDouble::load(batch.gram[i] + part); }
+    SELVAGE_INLINE WideDouble inverse_volume() const { return WideDouble::load(batch.inverse_volume + part); }
+
+    SELVAGE_INLINE void weigh_rest() {
+      const Wide3 diagonal = {gram(0), gram(1), gram(2)};
+      const WideDouble beside = gram(3) + gram(4) + gram(5);
+      weight = corners.weigh(diagonal[0] + diagonal[1] + diagonal[2] + (beside + beside), diagonal);
+    }
+
+   private:
+    SELVAGE_INLINE Corners load(const BlockRows& rows) {
+      if constexpr (kDamped)
+        return Corners(rows, batch, part, start);
+      else
+        return Corners(rows, batch, part);
+    }
+  };
+
+  SELVAGE_INLINE void begin_first(Elements& of) const {
+    of.weigh_rest();
+    if constexpr (kDeviatoric)
+      begin_deviatoric(of);
+    else
+      begin_hydrostatic(of);
+  }
+
+  SELVAGE_INLINE void end_first(Elements& of) const {
+    if constexpr (kDeviatoric)
+      end_deviatoric(of);
+    else
+      end_hydrostatic(of);
+  }
+
+  /// Where another constraint follows.
+  SELVAGE_INLINE void move_after_first(Elements& of) const {
+    if constexpr (kDeviatoric) {
+      of.corners.template move<0>(of.constraint);
+      of.corners.template move<1>(of.constraint);
+      of.corners.template move<2>(of.constraint);
+      of.corners.template move<3>(of.constraint);
+    }
+  }
+
+  /// The residual's part by damping.
+  SELVAGE_INLINE WideDouble damp(const Elements& of) const {
+    const auto& [edges, gradients, sum, residual, rate, squared, value, scale] = of.constraint;
+    const auto of_edge = [&, &edges = edges, &gradients = gradients](int k) {
+      const Wide3 moved = {edges[k][0] - of.start[k][0], edges[k][1] - of.start[k][1], edges[k][2] - of.start[k][2]};
+      return dot(gradients[k], moved);
+    };
+    return damping_ * (of_edge(0) + of_edge(1) + of_edge(2));
+  }
+
+  // With S = C^2 and q = C grad C, the gradient of S / 2, all is multiplied by C, so that nothing is divided by it.
+  SELVAGE_INLINE void begin_deviatoric(Elements& of) const {
+    constexpr int kPlace[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
+    auto& [edges, gradients, sum, residual, rate, squared, value, scale] = of.constraint;
+    Wide3 areas[3];
+    of.corners.list_edges(edges);
+    list_areas(edges, areas);
+    const WideDouble inverse_volume = of.inverse_volume();
+    const WideDouble volume = inverse_volume * dot(edges[0], areas[0]);
+    const WideDouble area_scale = (volume - constant(2)) * inverse_volume;
+    Wide3 squares;
+    for (int k = 0; k < 3; ++k) {
+      for (int i = 0; i < 3; ++i)
+        gradients[k][i] = of.gram(kPlace[k][0]) * edges[0][i] + of.gram(kPlace[k][1]) * edges[1][i] +
+                          of.gram(kPlace[k][2]) * edges[2][i];
+      squares[k] = dot(edges[k], gradients[k]);
+      for (int i = 0; i < 3; ++i) gradients[k][i] = gradients[k][i] + area_scale * areas[k][i];
+    }
+    squared = max(squares[0] + squares[1] + squares[2] + (volume - constant(4)) * volume, constant(kMinSquaredStrain));
+    value = sqrt(squared);
+  }
+
+  SELVAGE_INLINE void end_deviatoric(Elements& of) const {
+    auto& [edges, gradients, sum, residual, rate, squared, value, scale] = of.constraint;
+    if constexpr (kDamped) rate = damp(of);
+    add_up(gradients, sum);
+    const WideDouble stiffness = weigh_gradients(of.corners, gradients, sum);
+    const WideDouble compliance = deviatoric_ * of.inverse_volume();
+    double* const multiplier = of.batch.multipliers[0] + of.part;
+    residual = squared;
+    if constexpr (!kFirst) residual = residual + value * (compliance * WideDouble::load(multiplier));
+    if constexpr (kDamped) residual = residual + rate;
+    const WideDouble denominator = (kDamped ? share_ * stiffness : stiffness) + squared * compliance +
+                                   constant(0.25) * (residual * residual) * of.weight;
+    scale = residual / denominator;
+    reduce_multiplier(multiplier, scale * value);
+  }
+
+  SELVAGE_INLINE void begin_hydrostatic(Elements& of) const {
+    auto& [edges, areas, sum, residual, rate, squared, value, scale] = of.constraint;
+    of.corners.list_edges(edges);
+    list_areas(edges, areas);
+    residual = of.inverse_volume() * dot(edges[0], areas[0]) - constant(1);
+    if constexpr (!kFirst)
+      residual = residual + hydrostatic_compliance(of) * WideDouble::load(of.batch.multipliers[1] + of.part);
+    if constexpr (kDamped) residual = residual + of.inverse_volume() * damp(of);
+  }
+
+  SELVAGE_INLINE void end_hydrostatic(Elements& of) const {
+    auto& [edges, areas, sum, residual, rate, squared, value, scale] = of.constraint;
+    const WideDouble inverse_volume = of.inverse_volume();
+    add_up(areas, sum);
+    const WideDouble stiffness = inverse_volume * inverse_volume * weigh_gradients(of.corners, areas, sum);
+    const WideDouble denominator = (kDamped ? share_ * stiffness : stiffness) + hydrostatic_compliance(of) +
+                                   constant(0.25) * (residual * residual) * of.weight;
+    const WideDouble by = residual / max(denominator, constant(kMinDenominator));
+    reduce_multiplier(of.batch.multipliers[1] + of.part, by);
+    scale = by * inverse_volume;
+  }
+
+  SELVAGE_INLINE WideDouble hydrostatic_compliance(const Elements& of) const {
+    const WideDouble compliance = hydrostatic_ * of.inverse_volume();
+    return kDeviatoric ? compliance : compliance * of.inverse_volume();
+  }
+
+  /// Moves a vertex for the last time.
+  template <int kVertex>
+  SELVAGE_INLINE void finish(Elements& of) const {
+    of.corners.template move<kVertex>(of.constraint);
+    of.corners.template store<kVertex>(rows_.of_now(), of.batch, of.part);
+  }
+
+  SELVAGE_INLINE void finish_all(Elements& of) const {
+    finish<0>(of);
+    finish<1>(of);
+    finish<2>(of);
+    finish<3>(of);
+  }
+
+  SELVAGE_INLINE static void reduce_multiplier(double* multiplier, WideDouble by) {
+    const WideDouble before = kFirst ? constant(0) : WideDouble::load(multiplier);
+    (before - by).store(multiplier);
+  }
+
+  BlockRows& rows_;
+  WideDouble deviatoric_, hydrostatic_, damping_, share_;
+};
+
+}  // namespace SELVAGE_ISA
+}  // namespace selvage

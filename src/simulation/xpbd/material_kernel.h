@@ -1,0 +1,43 @@
+#pragma once
+
+#include "core/isa.h"
+#include "simulation/xpbd/material_blocks.h"
+
+namespace selvage {
+
+/// What of a body's material a step needs.
+struct MaterialStep {
+  MaterialKind kind;
+  double deviatoric;   ///< Neo-Hookean: compliance over the squared time step, times the rest volume
+  double hydrostatic;  ///< the same; mass-spring: times the squared rest volume
+  double edge;         ///< mass-spring: compliance over the squared time step
+  double damping;      ///< over the time step
+};
+
+/// One iteration over the material.
+struct MaterialTask {
+  VertexRow* vertices;
+  const VertexRow* start;       ///< the vertices at the start of the step; may be null where no body is damped
+  const Index* block_vertices;  ///< MaterialBlocks::vertices
+  ElementBatch* elements;
+  EdgeBatch* edges;
+  const MaterialBlock* blocks;
+  const MaterialStep* bodies;
+  bool is_first;     ///< of the step: multipliers start from zero
+  Index next_block;  ///< what will most likely be solved after the last of those given: it is fetched
+};
+
+// Solves the blocks [first, last) one after the other.
+#define SELVAGE_MATERIAL_KERNEL void solve_blocks(const MaterialTask&, Index first, Index last);
+namespace baseline {
+SELVAGE_MATERIAL_KERNEL
+}
+namespace avx2 {
+SELVAGE_MATERIAL_KERNEL
+}
+namespace avx512 {
+SELVAGE_MATERIAL_KERNEL
+}
+#undef SELVAGE_MATERIAL_KERNEL
+
+}  // namespace selvage

@@ -1,0 +1,60 @@
+#include "simulation/xpbd/material_solver.h"
+
+#include "core/phases.h"
+
+namespace selvage {
+
+namespace {
+
+/// An element of no stiffness at all would have an infinite compliance: so little is nothing.
+constexpr double kMinHydrostatic = 1e-12;
+
+MaterialStep prepare(const Material& material, double time_step) {
+  const double squared_step = time_step * time_step;
+  MaterialStep step{material.kind, 0, 0, material.edge_compliance / squared_step, material.damping / time_step};
+  if (material.kind == MaterialKind::kNeoHookean) {
+    const auto [mu, lambda] = lame_parameters(material.youngs_modulus, material.poisson_ratio);
+    step.deviatoric = 6 / (mu * squared_step);
+    step.hydrostatic = 6 / (std::max(lambda, kMinHydrostatic * mu) * squared_step);
+  } else {
+    step.hydrostatic = 36 * material.volume_compliance / squared_step;
+  }
+  return step;
+}
+
+}  // namespace
+
+MaterialSolver::MaterialSolver(const Model& model, double time_step) : blocks_(make_material_blocks(model)) {
+  for (const Body& body : model.bodies) bodies_.push_back(prepare(body.material, time_step));
+}
+
+bool MaterialSolver::needs_start() const {
+  return std::any_of(bodies_.begin(), bodies_.end(), [](const MaterialStep& step) { return step.damping > 0; });
+}
+
+void MaterialSolver::solve_best(const MaterialTask& task, Index first, Index last) {
+  SELVAGE_DISPATCH(solve_blocks, task, first, last);
+}
+
+void MaterialSolver::solve(std::span<VertexRow> vertices, std::span<const VertexRow> start, int first, int last,
+                           void (*kernel)(const MaterialTask&, Index first, Index last)) {
+  MaterialTask task{vertices.data(),
+                    start.data(),
+                    blocks_.vertices.data(),
+                    blocks_.elements.data(),
+                    blocks_.edges.data(),
+                    blocks_.blocks.data(),
+                    bodies_.data(),
+                    true,
+                    0};
+  for (int iteration = first; iteration < last; ++iteration) {
+    task.is_first = iteration == 0;
+    parallel_phases(blocks_.colour_first, [&](Index part, Index next_part) {
+      MaterialTask of_part = task;
+      of_part.next_block = blocks_.part_first[next_part];
+      kernel(of_part, blocks_.part_first[part], blocks_.part_first[part + 1]);
+    });
+  }
+}
+
+}  // namespace selvage

@@ -1,0 +1,323 @@
+#include "selvage/untangling/resolve.h"
+
+#include "elasticity/deformation_gradient.h"
+#include "elasticity/neo_hookean.h"
+#include "mesh/find_inverted.h"
+#include "selvage/core/error.h"
+#include "untangling/held_elements.h"
+#include "untangling/relaxation.h"
+#include "untangling/tangle_finder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace selvage {
+
+namespace {
+
+/// Iterations, at most, in which the material comes to rest once all are out, and so many without a better rest.
+constexpr int kSettling = 60, kSettled = 10;
+/// Iterations without progress after which the material yields.
+constexpr int kYield = 10;
+/// Part by which something must have become less to be progress.
+constexpr double kProgress = 0.01;
+
+/// How often what gets inside again is taken back; by how many halvings of its way each time; and so many are all of
+/// it.
+constexpr int kRetreats = 12, kRetreat = 2, kWholeWay = 4;
+
+void make_set(std::vector<Index>& list) {
+  std::sort(list.begin(), list.end());
+  list.erase(std::unique(list.begin(), list.end()), list.end());
+}
+
+/// Lets neighbours differ by one at most.
+void grade(const TetMesh& mesh, std::span<int> halvings) {
+  for (int level = kWholeWay; level > 1; --level)
+    for (const auto& element : mesh.elements())
+      if (std::any_of(element.begin(), element.end(), [&](Index v) { return halvings[v] == level; }))
+        for (const Index v : element) halvings[v] = std::max(halvings[v], level - 1);
+}
+
+void check_options(const TetMesh& mesh, const ResolveOptions& options) {
+  const auto demand = [](bool good, std::string_view name, double value, std::string_view range) {
+    if (!good) throw Error(name, fmt::format("is {}", value), fmt::format("give a number {}", range));
+  };
+  demand(options.max_displacement > 0, "largest displacement", options.max_displacement, "above 0");
+  demand(options.clearance > 0 && options.clearance < 1, "clearance", options.clearance, "between 0 and 1");
+  demand(options.max_iterations > 0, "iterations", options.max_iterations, "of at least 1");
+  demand(options.patience > 0, "patience", options.patience, "of at least 1");
+  for (const Index v : options.pinned)
+    if (v < 0 || v >= mesh.vertex_count())
+      throw Error("pinned vertices", fmt::format("there is no vertex {}", v),
+                  fmt::format("vertices lie in [0, {})", mesh.vertex_count()));
+}
+
+class Resolver {
+ public:
+  Resolver(const TetMesh& mesh, std::vector<Vec3>& positions, const ResolveOptions& options)
+      : mesh_(mesh),
+        options_(options),
+        positions_(positions),
+        input_(positions),
+        rest_(options.rest_positions.empty() ? positions : options.rest_positions),
+        body_(std::in_place, mesh, positions, rest_, input_, options),
+        tangle_(mesh, positions) {}
+  ResolveReport run();
+
+ private:
+  ResolveIteration measure(int iteration);
+  ResolveOutcome untangle(ResolveReport& report);
+  void yield();
+  bool may_start_anew() const;
+  void settle(ResolveReport& report);
+  void report_iteration(ResolveReport& report, const ResolveIteration& now) const;
+  bool has_improved(const ResolveIteration& now);
+  bool has_spread(const ResolveIteration& now);
+  double total_energy(std::span<const Vec3> positions) const;
+  void fill_report(ResolveReport& report) const;
+  void fill_tangle(ResolveReport& report) const;
+  std::vector<Index> vertices_of(std::span<const Index> elements) const;
+  std::vector<Index> find_tangled_elements() const;
+  std::vector<Index> find_tangled_vertices() const;
+  ResolveIteration retreat(std::span<const Vec3> clean, int iteration);
+
+  /// The least of each number, and the most vertices that were awake.
+  struct Best {
+    double triangle_pairs = HUGE_VAL, penetrating_vertices = HUGE_VAL, total_depth = HUGE_VAL;
+    double inverted_elements = HUGE_VAL, drawn_vertices = HUGE_VAL;
+    double awake_vertices = 0;
+  };
+
+  const TetMesh& mesh_;
+  const ResolveOptions& options_;
+  std::vector<Vec3>& positions_;
+  const std::vector<Vec3> input_, rest_;
+  std::optional<Relaxation> body_;
+  TangleFinder tangle_;
+  std::vector<Index> held_;
+  bool has_yielded_ = false;
+  Best best_;
+};
+
+ResolveIteration Resolver::measure(int iteration) {
+  ResolveIteration now = tangle_.measure(positions_);
+  now.iteration = iteration;
+  now.inverted_elements = std::ssize(body_->inverted());
+  now.awake_vertices = body_->count_awake();
+  for (std::size_t v = 0; v < positions_.size(); ++v)
+    now.max_displacement = std::max(now.max_displacement, (positions_[v] - input_[v]).norm());
+  return now;
+}
+
+/// Whether anything that is wrong has become less than it ever was. While points wait, not all that is inside is known.
+bool Resolver::has_improved(const ResolveIteration& now) {
+  bool improved = false;
+  const auto compare = [&](double& best, auto value) {
+    if (!(static_cast<double>(value) < (1 - kProgress) * best)) return;
+    best = static_cast<double>(value);
+    improved = true;
+  };
+  compare(best_.triangle_pairs, now.triangle_pairs);
+  compare(best_.inverted_elements, now.inverted_elements);
+  // For as long as an end is drawn through a crossing, nothing else may change.
+  if (body_->drawn_vertices() > 0) compare(best_.drawn_vertices, body_->drawn_vertices());
+  if (now.waiting_points > 0) return improved;
+  compare(best_.penetrating_vertices, now.penetrating_vertices);
+  compare(best_.total_depth, now.total_depth);
+  return improved;
+}
+
+/// Whether more of the mesh gives way than ever.
+bool Resolver::has_spread(const ResolveIteration& now) {
+  const auto awake = static_cast<double>(now.awake_vertices);
+  if (!((1 - kProgress) * awake > best_.awake_vertices)) return false;
+  best_.awake_vertices = awake;
+  return true;
+}
+
+std::vector<Index> Resolver::find_tangled_vertices() const {
+  std::vector<Index> vertices = vertices_of(find_tangled_elements());
+  for (const Contact& contact : tangle_.contacts())
+    vertices.insert(vertices.end(), contact.vertices.begin(), contact.vertices.begin() + contact.count);
+  make_set(vertices);
+  return vertices;
+}
+
+std::vector<Index> Resolver::vertices_of(std::span<const Index> elements) const {
+  std::vector<Index> vertices;
+  for (const Index e : elements)
+    vertices.insert(vertices.end(), mesh_.elements()[e].begin(), mesh_.elements()[e].end());
+  make_set(vertices);
+  return vertices;
+}
+
+std::vector<Index> Resolver::find_tangled_elements() const {
+  std::vector<Index> elements = tangle_.find_elements();
+  elements.insert(elements.end(), body_->inverted().begin(), body_->inverted().end());
+  make_set(elements);
+  return elements;
+}
+
+double Resolver::total_energy(std::span<const Vec3> positions) const {
+  double energy = 0;
+  for (const auto& e : mesh_.elements())
+    energy += element_energy(e, rest_, positions, body_->model().bodies[0].material.poisson_ratio);
+  return energy;
+}
+
+void Resolver::fill_report(ResolveReport& report) const {
+  double sum = 0;
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    const double distance = (positions_[v] - input_[v]).norm();
+    report.moved_vertices += distance > 0;
+    report.max_displacement = std::max(report.max_displacement, distance);
+    sum += distance;
+  }
+  report.mean_displacement = sum / static_cast<double>(positions_.size());
+  for (const auto& e : mesh_.elements()) {
+    report.volume_before += element_volume(e, input_);
+    report.volume_after += element_volume(e, positions_);
+  }
+  report.elastic_energy_before = total_energy(input_);
+  report.elastic_energy_after = total_energy(positions_);
+}
+
+/// What is in the way, and which of it must not move.
+void Resolver::fill_tangle(ResolveReport& report) const {
+  std::vector<Index> vertices;
+  if (report.outcome == ResolveOutcome::kHeld) {
+    report.tangled_elements = held_;
+    vertices = vertices_of(held_);
+  } else {
+    report.tangled_elements = find_tangled_elements();
+    vertices = find_tangled_vertices();
+  }
+  std::vector<Index> pinned = options_.pinned;
+  make_set(pinned);
+  std::set_intersection(vertices.begin(), vertices.end(), pinned.begin(), pinned.end(),
+                        std::back_inserter(report.holding_vertices));
+}
+
+void Resolver::report_iteration(ResolveReport& report, const ResolveIteration& now) const {
+  report.iterations.push_back(now);
+  if (options_.on_iteration) options_.on_iteration(now);
+}
+
+/// The material takes the shape that it has now for its rest: it would pull back for ever into creases that overlap at
+/// rest, and where contacts and material pull against each other neither wins. Nothing is awake after that but what is
+/// pushed.
+void Resolver::yield() {
+  if (!body_->inverted().empty()) return;
+  body_.emplace(mesh_, positions_, positions_, input_, options_);
+  has_yielded_ = true;
+}
+
+/// A rest shape that was given may drive the tangle ever deeper, as one that is much larger does: then once more, with
+/// the input at rest.
+bool Resolver::may_start_anew() const {
+  return !has_yielded_ && !options_.rest_positions.empty() && find_inverted(mesh_, input_).empty();
+}
+
+ResolveOutcome Resolver::untangle(ResolveReport& report) {
+  int last_better = 0, last_progress = 0;
+  for (int iteration = 0;; ++iteration) {
+    const ResolveIteration now = measure(iteration);
+    report_iteration(report, now);
+    if (now.is_clean()) return ResolveOutcome::kResolved;
+    if (iteration == 0) held_ = find_held_elements(mesh_, positions_, options_.pinned);
+    if (!held_.empty()) return ResolveOutcome::kHeld;
+    if (has_improved(now)) last_better = last_progress = iteration;
+    if (has_spread(now)) last_progress = iteration;
+    if (iteration >= options_.max_iterations) return ResolveOutcome::kGaveUp;
+    const int waited = iteration - last_progress;
+    if (waited >= options_.patience) return ResolveOutcome::kStuck;
+    if (iteration - last_better >= kYield && may_start_anew()) {
+      positions_ = input_;
+      best_ = {};
+      body_.emplace(mesh_, positions_, input_, input_, options_);
+      has_yielded_ = true;
+      continue;
+    }
+    if (waited > 0 && waited % kYield == 0) yield();
+    body_->hold(tangle_.contacts());
+    body_->relax();
+    body_->wake_neighbours();
+  }
+}
+
+/// Takes what has got inside back towards where all was out, its neighbours less so, and leaves the rest where it has
+/// come to: a few places that are tight would otherwise hold all of the mesh.
+ResolveIteration Resolver::retreat(std::span<const Vec3> clean, int iteration) {
+  ResolveIteration now = measure(iteration);
+  if (now.is_clean()) return now;
+  body_->hold(tangle_.contacts());
+  const std::vector<Vec3> goal = positions_;
+  std::vector<int> halvings(goal.size(), 0);
+  for (int round = 0; round < kRetreats && !now.is_clean(); ++round) {
+    for (const Index v : find_tangled_vertices()) halvings[v] = std::min(halvings[v] + kRetreat, kWholeWay);
+    grade(mesh_, halvings);
+    std::vector<Vec3> between = goal;
+    for (std::size_t v = 0; v < goal.size(); ++v) {
+      if (halvings[v] == 0) continue;
+      const double part = halvings[v] < kWholeWay ? std::ldexp(1, -halvings[v]) : 0;
+      between[v] = clean[v] + part * (goal[v] - clean[v]);
+      // By rounding.
+      if ((between[v] - input_[v]).norm() > options_.max_displacement) between[v] = clean[v];
+    }
+    body_->place(between);
+    now = measure(iteration);
+  }
+  if (!now.is_clean()) body_->place(clean);
+  return now;
+}
+
+/// Lets the material come to rest, ever closer to the clearance that was asked for. What gets inside again is held from
+/// then on. The best of what was clean on the way stays.
+void Resolver::settle(ResolveReport& report) {
+  std::vector<Vec3> clean = positions_, best = positions_;
+  double least = total_energy(positions_);
+  if (has_yielded_) {
+    body_.emplace(mesh_, positions_, rest_, input_, options_);
+    body_->wake_displaced();
+  }
+  for (int i = 0, waited = 0; i < kSettling && waited < kSettled; ++i, ++waited) {
+    body_->shrink_clearance();
+    body_->relax();
+    const ResolveIteration now = retreat(clean, report.iterations.back().iteration + 1);
+    clean = positions_;
+    const double energy = total_energy(positions_);
+    if (now.is_clean() && energy < (1 - kProgress) * least) {
+      report_iteration(report, now);
+      best = positions_;
+      least = energy;
+      waited = 0;
+    }
+    body_->wake_neighbours();
+  }
+  body_->place(best);
+}
+
+ResolveReport Resolver::run() {
+  ResolveReport report;
+  report.outcome = untangle(report);
+  if (report.outcome == ResolveOutcome::kResolved && report.iterations.size() > 1) settle(report);
+  fill_report(report);
+  if (report.outcome != ResolveOutcome::kResolved) fill_tangle(report);
+  return report;
+}
+
+}  // namespace
+
+ResolveReport resolve_collisions(const TetMesh& mesh, std::vector<Vec3>& positions, const ResolveOptions& options) {
+  check_options(mesh, options);
+  if (std::ssize(positions) != mesh.vertex_count())
+    throw Error("positions", fmt::format("{} for {} vertices", positions.size(), mesh.vertex_count()),
+                "give one per vertex");
+  return Resolver(mesh, positions, options).run();
+}
+
+}  // namespace selvage

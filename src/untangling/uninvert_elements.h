@@ -1,0 +1,34 @@
+#pragma once
+
+#include "selvage/mesh/simplex_mesh.h"
+
+namespace selvage {
+
+/// Where vertices may go.
+struct Freedom {
+  std::span<const std::uint8_t> is_free;  ///< (n_vertices)
+  std::span<const Vec3> origin;           ///< (n_vertices) [m]
+  double reach;                           ///< from there [m]
+
+  bool allows(Index vertex, const Vec3& to) const {
+    return is_free[vertex] != 0 && !((to - origin[vertex]).norm() > reach);
+  }
+};
+
+/// Turns elements that are inside out, or flat, upright, by moving their vertices and those one ring around.
+///
+/// One vertex after the other goes down an energy that a positive element has infinite where it becomes flat, and that
+/// is finite, but large and steep, where it is inside out: so what is upright stays so, and what is not is driven out.
+/// Elements want the shape that they have at rest; where that is nearly flat, a thicker one.
+///
+/// @param rest       (n_vertices) [m]
+/// @param inverted   elements to turn, ascending
+/// @param freedom    of its vertices
+/// @param positions  (n_vertices x 3) moved [m]
+/// @return elements that are still inverted, of the whole mesh; ascending
+///
+/// Source: Garanzha, Kaporin, Kudryavtseva, Protais, Ray, Sokolov 2021, Foldover-free maps in 50 lines of code.
+std::vector<Index> uninvert_elements(const TetMesh& mesh, std::span<const Vec3> rest, std::span<const Index> inverted,
+                                     const Freedom& freedom, std::span<Vec3> positions);
+
+}  // namespace selvage

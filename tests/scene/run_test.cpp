@@ -1,0 +1,352 @@
+#include "selvage/scene/run.h"
+
+#include "selvage/core/error.h"
+#include "selvage/scene/frames.h"
+#include "temporary_folder.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <csignal>
+#include <map>
+
+namespace selvage {
+namespace {
+
+namespace fs = std::filesystem;
+using test::read_text;
+using test::TemporaryFolder;
+using test::write_text;
+
+/// Two blocks that fall on a floor and on one another, one of them held and let go.
+std::string falling_blocks(const std::string& changes = "") {
+  return R"({"selvage_scene": 1, "frames": 6, "substeps": 3, "iterations": 2,
+    "bodies": [
+      {"mesh": {"shape": "box", "size": [1, 1, 1], "cell": 0.34}, "material": {"youngs_modulus": 2e4},
+       "translate": [0, 0, 0.02], "velocity": [0, 0, -1]},
+      {"mesh": {"shape": "box", "size": [1, 1, 1], "cell": 0.34}, "translate": [0.3, 0.2, 1.05], "velocity": [0, 0, -2],
+       "handles": [{"region": {"box": {"min": [-1, -1, 0.9], "max": [2, 2, 2]}}, "release": 0.05,
+                    "motion": {"keyframes": [{"time": 0}, {"time": 1, "translate": [0, 0, -1]}]}}]}],
+    "colliders": [{"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}])" +
+         changes + "}";
+}
+
+Scene scene_of(const std::string& text) {
+  return parse_scene(text, "blocks.json");
+}
+
+RunOptions to(const fs::path& folder) {
+  RunOptions options;
+  options.folder = folder;
+  return options;
+}
+
+/// All files of a run by name, without what it cost.
+std::map<std::string, std::string> files_of(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    const std::string name = fs::relative(entry.path(), folder).string();
+    if (!entry.is_regular_file() || name == "summary.json") continue;
+    std::string bytes = read_text(entry.path());
+    if (name == "statistics.csv") {
+      std::string costless;
+      for (std::size_t at = 0; at < bytes.size();) {
+        const std::size_t end = std::min(bytes.find('\n', at), bytes.size());
+        std::string line = bytes.substr(at, end - at);
+        for (int cost = 0; cost < 10; ++cost) line.resize(line.rfind(','));
+        costless += line + "\n";
+        at = end + 1;
+      }
+      bytes = costless;
+    }
+    files[name] = bytes;
+  }
+  return files;
+}
+
+/// Names of the files in which two runs differ.
+std::vector<std::string> differences(const std::map<std::string, std::string>& a,
+                                     const std::map<std::string, std::string>& b) {
+  std::vector<std::string> names;
+  for (const auto& [name, bytes] : a)
+    if (b.count(name) == 0 || b.at(name) != bytes) names.push_back(name);
+  for (const auto& [name, bytes] : b)
+    if (a.count(name) == 0) names.push_back(name);
+  return names;
+}
+
+TEST(Run, WritesWhatItSays) {
+  const TemporaryFolder folder;
+  const Scene scene = scene_of(falling_blocks());
+  RunOptions options = to(folder.path() / "deep" / "run");
+  options.vtu = true;
+  options.surface = SurfaceFormat::kPly;
+  std::vector<std::int64_t> seen;
+  options.on_frame = [&](const FrameStatistics& row) { seen.push_back(row.frame); };
+  const RunReport report = run_scene(scene, options);
+  EXPECT_EQ(report.outcome, RunOutcome::kFinished);
+  EXPECT_EQ(seen, (std::vector<std::int64_t>{0, 1, 2, 3, 4, 5, 6}));
+  ASSERT_EQ(report.frames.size(), 7u);
+  EXPECT_EQ(report.frames[6].steps, 18);
+  EXPECT_NEAR(report.frames[6].time, 0.1, 1e-12);
+  EXPECT_GT(report.frames[6].collider_contacts, 0);
+  EXPECT_EQ(report.frames[6].inverted_elements, 0);
+  EXPECT_EQ(report.frames[0].fastest, 2);
+
+  const auto files = files_of(options.folder);
+  for (const char* name : {"topology.bin", "checkpoint.bin", "statistics.csv", "frames/frame_000000.bin",
+                           "frames/frame_000006.bin", "vtu/frame_000006.vtu", "frames.pvd", "surface/frame_000003.ply"})
+    EXPECT_EQ(files.count(name), 1u) << name;
+  EXPECT_EQ(files.count("frames/frame_000007.bin"), 0u);
+  EXPECT_EQ(read_frame(frame_path(options.folder, 6)).header.fingerprint, scene.fingerprint);
+  EXPECT_NE(read_text(options.folder / "summary.json").find("\"outcome\": \"finished\""), std::string::npos);
+  EXPECT_NE(files.at("frames.pvd").find("vtu/frame_000004.vtu"), std::string::npos);
+}
+
+TEST(Run, FingerprintIsThatOfTheLastState) {
+  const auto run = [](const std::string& text, std::int64_t frames) {
+    const TemporaryFolder folder;
+    RunOptions options = to(folder.path());
+    options.frames = frames;
+    const RunReport report = run_scene(scene_of(text), options);
+    EXPECT_NE(read_text(folder.path() / "summary.json").find(fmt::format("{:016x}", report.fingerprint)),
+              std::string::npos);
+    return report.fingerprint;
+  };
+  const std::uint64_t print = run(falling_blocks(), 3);
+  {
+    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    EXPECT_EQ(run(falling_blocks(), 3), print);
+  }
+  EXPECT_NE(run(falling_blocks(), 2), print);
+  EXPECT_NE(run(falling_blocks(R"(,"gravity": [0, 0, -9.80001])"), 3), print);
+  // At the beginning the scenes are alike.
+  EXPECT_EQ(run(falling_blocks(R"(,"gravity": [0, 0, -9.80001])"), 0), run(falling_blocks(), 0));
+}
+
+TEST(Run, EndsTheSameWhereverItWasCut) {
+  const Scene scene = scene_of(falling_blocks());
+  const TemporaryFolder whole;
+  RunOptions options = to(whole.path());
+  options.vtu = true;
+  const std::uint64_t print = run_scene(scene, options).fingerprint;
+  const auto expected = files_of(whole.path());
+  for (int cut = 0; cut < 6; ++cut) {
+    const TemporaryFolder folder;
+    RunOptions first = options;
+    first.folder = folder.path();
+    first.frames = cut;
+    run_scene(scene, first);
+    // What a kill may leave behind: a frame and a row without their checkpoint, a half line, a file half written.
+    write_text(frame_path(folder.path(), cut + 1), "half a frame");
+    write_text(folder.path() / "frames" / "frame_000009.bin.1-1.part", "x");
+    write_text(folder.path() / "statistics.csv", read_text(folder.path() / "statistics.csv") + "7,0.1,3");
+    first.frames.reset();
+    first.resume = true;
+    const RunReport report = run_scene(scene, first);
+    EXPECT_EQ(report.first_frame, cut);
+    EXPECT_EQ(report.frames.size(), 7u);
+    EXPECT_EQ(report.fingerprint, print);
+    EXPECT_EQ(differences(files_of(folder.path()), expected), std::vector<std::string>()) << "cut after frame " << cut;
+  }
+}
+
+TEST(Run, RemovesNothingThatIsNotItsOwn) {
+  const Scene scene = scene_of(falling_blocks());
+  const TemporaryFolder folder;
+  const std::vector<std::string> others{"frame_000001.png",        "frame_000002.bin",   "notes.part",
+                                        "frames/frame_000003.png", "frames/frame_3.bin", "vtu/frame_000004.vtu.gz",
+                                        "surface/frame_000005.stl"};
+  const std::vector<std::string> parts{"checkpoint.bin.1-1.part", "frames/frame_000001.bin.1-2.part",
+                                       "surface/frame_000001.obj.1-3.part", "vtu/frame_000009.vtu.1-4.part"};
+  for (const char* name : {"frames", "vtu", "surface"}) fs::create_directory(folder.path() / name);
+  for (const std::string& name : others) write_text(folder.path() / name, name);
+  for (const int frames : {2, 3}) {
+    for (const std::string& name : parts) write_text(folder.path() / name, "x");
+    RunOptions options = to(folder.path());
+    options.frames = frames;
+    options.resume = true;
+    run_scene(scene, options);
+    for (const std::string& name : others) EXPECT_EQ(read_text(folder.path() / name), name);
+    for (const std::string& name : parts) EXPECT_FALSE(fs::exists(folder.path() / name)) << name;
+  }
+}
+
+TEST(Run, IsContinuedBeyondItsEnd) {
+  const Scene scene = scene_of(falling_blocks());
+  const TemporaryFolder folder, whole;
+  run_scene(scene, to(folder.path()));
+  RunOptions longer = to(folder.path());
+  longer.resume = true;
+  longer.frames = 8;
+  EXPECT_EQ(run_scene(scene, longer).frames.back().frame, 8);
+  RunOptions at_once = to(whole.path());
+  at_once.frames = 8;
+  run_scene(scene, at_once);
+  EXPECT_EQ(differences(files_of(folder.path()), files_of(whole.path())), std::vector<std::string>());
+  // Fewer frames than there are: nothing to do, nothing lost.
+  longer.frames = 2;
+  EXPECT_EQ(run_scene(scene, longer).frames.back().frame, 8);
+  EXPECT_EQ(differences(files_of(folder.path()), files_of(whole.path())), std::vector<std::string>());
+}
+
+std::string refusal(const Scene& scene, const RunOptions& options) {
+  try {
+    run_scene(scene, options);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Run, ImpossibleOptionsAreRefused) {
+  const Scene scene = scene_of(falling_blocks());
+  EXPECT_NE(refusal(scene, {}).find("folder: is not named"), std::string::npos);
+  const TemporaryFolder folder;
+  RunOptions options = to(folder.path());
+  options.frames = -1;
+  EXPECT_NE(refusal(scene, options).find("frames: are -1"), std::string::npos);
+  EXPECT_TRUE(files_of(folder.path()).empty());
+}
+
+TEST(Run, OtherRunsAreLeftAlone) {
+  const TemporaryFolder folder;
+  run_scene(scene_of(falling_blocks()), to(folder.path()));
+  const auto before = files_of(folder.path());
+  EXPECT_NE(refusal(scene_of(falling_blocks()), to(folder.path())).find("holds a run already"), std::string::npos);
+  RunOptions resume = to(folder.path());
+  resume.resume = true;
+  EXPECT_NE(refusal(scene_of(falling_blocks(R"(,"gravity": [0, 0, -3])")), resume).find("another scene"),
+            std::string::npos);
+  EXPECT_EQ(differences(files_of(folder.path()), before), std::vector<std::string>());
+  // Frames whose other files somebody has removed.
+  fs::remove(folder.path() / "topology.bin");
+  EXPECT_NE(refusal(scene_of(falling_blocks()), to(folder.path())).find("holds a run already"), std::string::npos);
+  run_scene(scene_of(falling_blocks()), resume);
+  EXPECT_EQ(differences(files_of(folder.path()), before), std::vector<std::string>());
+  fs::remove(folder.path() / "checkpoint.bin");
+  fs::remove(folder.path() / "topology.bin");
+  const auto remaining = files_of(folder.path());
+  EXPECT_NE(refusal(scene_of(falling_blocks()), to(folder.path())).find("holds a run already"), std::string::npos);
+  EXPECT_NE(refusal(scene_of(falling_blocks()), resume).find("checkpoint.bin: is missing"), std::string::npos);
+  EXPECT_EQ(differences(files_of(folder.path()), remaining), std::vector<std::string>());
+  // A second process at the same time; here, a second run from within the first.
+  const TemporaryFolder shared;
+  RunOptions outer = to(shared.path());
+  std::string message;
+  outer.on_frame = [&](const FrameStatistics&) { message = refusal(scene_of(falling_blocks()), to(shared.path())); };
+  run_scene(scene_of(falling_blocks()), outer);
+  EXPECT_NE(message.find("another process"), std::string::npos) << message;
+}
+
+TEST(Run, ContactsBeginWhereTheyAreAskedFor) {
+  const TemporaryFolder folder;
+  const Scene scene = scene_of(falling_blocks(R"(,"contact": {"from_frame": 3})"));
+  const RunReport report = run_scene(scene, to(folder.path()));
+  for (const FrameStatistics& row : report.frames) {
+    if (row.frame > 3) break;
+    EXPECT_EQ(row.vertex_faces + row.edge_edges + row.vertex_paths + row.edge_paths, 0) << row.frame;
+  }
+}
+
+TEST(Run, ExplosionNamesTheFrame) {
+  const TemporaryFolder folder;
+  // A speed that no double holds.
+  const std::string text = R"({"selvage_scene": 1, "frames": 9, "frames_per_second": 1, "substeps": 1,
+    "gravity": [0, 0, -1.7e308],
+    "bodies": [{"mesh": {"shape": "box", "size": [1, 1, 1], "cell": 1}, "velocity": [0, 0, -1.7e308]}]})";
+  const RunReport report = run_scene(parse_scene(text, "far.json"), to(folder.path()));
+  EXPECT_EQ(report.outcome, RunOutcome::kExploded);
+  EXPECT_NE(report.message.find("frame "), std::string::npos) << report.message;
+  EXPECT_NE(report.message.find("vertex "), std::string::npos) << report.message;
+  const std::int64_t last = report.frames.back().frame;
+  EXPECT_LT(last, 9);
+  EXPECT_NO_THROW(read_frame(frame_path(folder.path(), last)));
+  EXPECT_EQ(read_checkpoint(checkpoint_path(folder.path())).header.frame, last);
+  EXPECT_NE(read_text(folder.path() / "summary.json").find("\"exploded\""), std::string::npos);
+  RunOptions to_last = to(folder.path() / "again");
+  to_last.frames = last;
+  EXPECT_EQ(run_scene(parse_scene(text, "far.json"), to_last).fingerprint, report.fingerprint);
+}
+
+TEST(Run, FramesHoldNothingInfinite) {
+  // A speed that doubles hold for long and single precision does not.
+  const TemporaryFolder folder;
+  const std::string text = R"({"selvage_scene": 1, "frames": 9, "frames_per_second": 1, "substeps": 1,
+    "bodies": [{"mesh": {"shape": "box", "size": [1, 1, 1], "cell": 1}, "velocity": [0, 1e38, 0]}]})";
+  const RunReport report = run_scene(parse_scene(text, "far.json"), to(folder.path()));
+  EXPECT_EQ(report.outcome, RunOutcome::kExploded);
+  EXPECT_NE(report.message.find("frame 4: vertex 0"), std::string::npos) << report.message;
+  ASSERT_EQ(report.frames.back().frame, 3);
+  for (const Vec3& p : read_frame(frame_path(folder.path(), 3)).positions) EXPECT_TRUE(p.allFinite());
+}
+
+TEST(Run, ImpossibleHandlesAreNamed) {
+  const TemporaryFolder folder;
+  const std::string text = R"({"selvage_scene": 1, "frames": 30, "substeps": 2, "gravity": [0, 0, 0],
+    "bodies": [{"mesh": {"shape": "box", "size": [1, 1, 1], "cell": 1},
+      "pinned": [{"box": {"min": [-1, -1, -1], "max": [2, 2, 0.5]}}],
+      "handles": [{"region": {"box": {"min": [-1, -1, 0.6], "max": [2, 2, 2]}},
+                   "motion": {"keyframes": [{"time": 0}, {"time": 0.1, "translate": [0, 0, -2]}]}}]}]})";
+  const RunReport report = run_scene(parse_scene(text, "press.json"), to(folder.path()));
+  EXPECT_EQ(report.outcome, RunOutcome::kImpossibleHandles);
+  EXPECT_NE(report.message.find("frame 4: handles turn element"), std::string::npos) << report.message;
+  EXPECT_EQ(report.frames.back().frame, 3);
+}
+
+/// Lets files grow to so many bytes only, as on a full disk.
+class FileLimit {
+ public:
+  explicit FileLimit(rlim_t bytes) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileLimit() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, SIG_DFL);
+  }
+
+ private:
+  rlimit before_{};
+};
+
+TEST(Run, FullDiskNamesTheFrameAndSpoilsNothing) {
+  // Of few vertices, so that the table of statistics is the first file to grow too large; and of more, so that it is
+  // the checkpoint.
+  const std::string small = R"({"selvage_scene": 1, "frames": 9, "substeps": 1,
+    "bodies": [{"mesh": {"shape": "box", "size": [1, 1, 1], "cell": 1}}]})";
+  const std::array<std::pair<std::string, rlim_t>, 2> cases{{{small, 1500}, {falling_blocks(), 5000}}};
+  for (const auto& [text, limit] : cases) {
+    const Scene scene = scene_of(text);
+    const TemporaryFolder whole, folder;
+    run_scene(scene, to(whole.path()));
+    RunOptions options = to(folder.path());
+    options.frames = 0;
+    run_scene(scene, options);
+    options.frames.reset();
+    options.resume = true;
+    std::string message;
+    {
+      const FileLimit full(limit);
+      try {
+        run_scene(scene, options);
+      } catch (const SystemError& error) {
+        message = error.what();
+      }
+    }
+    EXPECT_EQ(message.find("frame "), 0u) << message;
+    EXPECT_NE(message.find("cannot be written"), std::string::npos) << message;
+    EXPECT_NO_THROW(read_checkpoint(checkpoint_path(folder.path())));
+    run_scene(scene, options);
+    EXPECT_EQ(differences(files_of(folder.path()), files_of(whole.path())), std::vector<std::string>())
+        << "limit " << limit;
+  }
+}
+
+}  // namespace
+}  // namespace selvage
