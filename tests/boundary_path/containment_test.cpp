@@ -212,7 +212,7 @@ void compare_kernels(std::size_t number) {
   const families::Subject<D> subject(families::all_families<D>()[number]);
   const auto& mesh = subject.mesh;
   const PathTopology<D> topology(mesh);
-  Pose<D> pose(mesh, topology);
+  DeformedMesh<D> pose(mesh, topology);
   pose.rebuild(subject.judge.positions());
   const ContainmentInput<D> input{pose.positions().data(), mesh.elements().data(), pose.rounded_positions().data(),
                                   pose.rounding(), pose.elements().nodes()};

@@ -1,8 +1,8 @@
 #include "boundary_path/injectivity/star_proof.h"
 
 #include "contact/contact_parts.h"
-#include "contact/solids.h"
 #include "selvage/geometry/predicates.h"
+#include "solids.h"
 #include "test_scale.h"
 
 #include <gtest/gtest.h>

@@ -37,7 +37,7 @@ class Material {
  private:
   TetMesh mesh_;
   PathTopology<3> topology_;
-  Pose<3> pose_;
+  DeformedMesh<3> pose_;
   PathInput<3> input_{};
 };
 

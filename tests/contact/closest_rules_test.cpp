@@ -1,6 +1,6 @@
 #include "contact/closest_rules.h"
 
-#include "contact/solids.h"
+#include "solids.h"
 #include "selvage/contact/contact_finder.h"
 #include "selvage/geometry/closest_point.h"
 #include "selvage/shapes/poses.h"

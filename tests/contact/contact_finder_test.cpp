@@ -1,7 +1,7 @@
 #include "selvage/contact/contact_finder.h"
 
 #include "contact/contact_parts.h"
-#include "contact/solids.h"
+#include "solids.h"
 #include "selvage/core/error.h"
 #include "selvage/geometry/closest_point.h"
 #include "selvage/geometry/continuous.h"

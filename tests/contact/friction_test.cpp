@@ -1,6 +1,6 @@
 #include "selvage/contact/friction.h"
 
-#include "contact/solids.h"
+#include "solids.h"
 #include "test_scale.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 #include "contact/impact_contacts.h"
 
 #include "contact/contact_parts.h"
-#include "contact/solids.h"
+#include "solids.h"
 #include "selvage/geometry/continuous.h"
 #include "selvage/geometry/distance.h"
 #include "test_scale.h"

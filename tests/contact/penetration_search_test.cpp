@@ -2,7 +2,7 @@
 
 #include "contact/contact_parts.h"
 #include "contact/edge_part.h"
-#include "contact/solids.h"
+#include "solids.h"
 #include "selvage/boundary_path/boundary_path.h"
 #include "selvage/geometry/predicates.h"
 #include "selvage/shapes/shapes.h"

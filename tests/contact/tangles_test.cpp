@@ -1,6 +1,6 @@
 #include "contact/tangles.h"
 
-#include "contact/solids.h"
+#include "solids.h"
 #include "selvage/contact/contact_finder.h"
 #include "selvage/geometry/predicates.h"
 #include "selvage/shapes/poses.h"

@@ -1,4 +1,4 @@
-#include "contact/solids.h"
+#include "solids.h"
 
 #include "selvage/shapes/poses.h"
 #include "selvage/shapes/shapes.h"
