@@ -1,7 +1,7 @@
-#include "cli/command.h"
-#include "cli/console.h"
-#include "cli/help.h"
-#include "cli/output.h"
+#include "cli/program/command.h"
+#include "cli/program/console.h"
+#include "cli/program/help.h"
+#include "cli/program/output.h"
 #include "selvage/core/error.h"
 
 #include <fcntl.h>

@@ -1,7 +1,7 @@
 #include "picture/composition.h"
 
 #include "core/parallel.h"
-#include "picture/shading.h"
+#include "picture/drawing/shading.h"
 
 #include <algorithm>
 

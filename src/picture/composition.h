@@ -1,7 +1,7 @@
 #pragma once
 
-#include "picture/image.h"
-#include "picture/raster.h"
+#include "picture/drawing/image.h"
+#include "picture/drawing/raster.h"
 
 namespace selvage {
 

@@ -1,7 +1,7 @@
 #include "picture/legend.h"
 
 #include "picture/composition.h"
-#include "picture/ink.h"
+#include "picture/drawing/ink.h"
 
 #include <fmt/format.h>
 

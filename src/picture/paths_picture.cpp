@@ -1,8 +1,8 @@
 #include "picture/paths_picture.h"
 
-#include "picture/camera.h"
 #include "picture/composition.h"
-#include "picture/ink.h"
+#include "picture/drawing/camera.h"
+#include "picture/drawing/ink.h"
 #include "picture/legend.h"
 #include "picture/surface_corners.h"
 #include "selvage/core/error.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "picture/image.h"
+#include "picture/drawing/image.h"
 #include "selvage/core/types.h"
 
 #include <optional>

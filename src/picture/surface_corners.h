@@ -1,7 +1,7 @@
 #pragma once
 
-#include "picture/camera.h"
-#include "picture/raster.h"
+#include "picture/drawing/camera.h"
+#include "picture/drawing/raster.h"
 
 namespace selvage {
 

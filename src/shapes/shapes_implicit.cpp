@@ -2,9 +2,9 @@
 #include <random>
 
 #include "selvage/shapes/shapes.h"
-#include "shapes/isosurface_stuffing.h"
 #include "shapes/shape_arguments.h"
 #include "shapes/shapes_implicit.h"
+#include "shapes/stuffing/isosurface_stuffing.h"
 
 namespace selvage {
 

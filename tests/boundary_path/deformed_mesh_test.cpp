@@ -2,7 +2,7 @@
 #include "boundary_path/injectivity/deformed_mesh.h"
 
 #include "boundary_path/compare.h"
-#include "boundary_path/families.h"
+#include "boundary_path/families/families.h"
 #include "boundary_path/injectivity/vertex_proof.h"
 #include "test_scale.h"
 

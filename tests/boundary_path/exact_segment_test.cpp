@@ -1,8 +1,8 @@
 // Exact decisions about a segment and a face against rational arithmetic, on small integers: most cases are degenerate.
 #include "boundary_path/traversal/exact_segment.h"
 
-#include "boundary_path/families.h"
-#include "boundary_path/rational.h"
+#include "boundary_path/families/families.h"
+#include "boundary_path/oracle/rational.h"
 #include "test_scale.h"
 
 #include <gtest/gtest.h>

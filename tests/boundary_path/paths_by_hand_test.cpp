@@ -1,5 +1,5 @@
 // Answers worked out by hand: the figures of the paper, normals, defects of a pose, errors at the doors.
-#include "boundary_path/figures.h"
+#include "boundary_path/families/figures.h"
 #include "selvage/boundary_path/boundary_path.h"
 #include "selvage/core/error.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "boundary_path/families.h"
-#include "boundary_path/oracle.h"
+#include "boundary_path/families/families.h"
+#include "boundary_path/oracle/oracle.h"
 
 namespace selvage::families {
 

@@ -1,6 +1,6 @@
 // What a bundle takes for a path must be one to the walk that follows it alone and exactly, and not many may be missed.
 #include "boundary_path/packets/traversal_packet.h"
-#include "boundary_path/families.h"
+#include "boundary_path/families/families.h"
 #include "boundary_path/injectivity/deformed_mesh.h"
 #include "boundary_path/search/candidate.h"
 #include "boundary_path/traversal/tet_traversal.h"

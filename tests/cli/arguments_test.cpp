@@ -1,6 +1,6 @@
-#include "cli/numbers.h"
-#include "cli/points_file.h"
-#include "cli/pose_argument.h"
+#include "cli/arguments/numbers.h"
+#include "cli/arguments/points_file.h"
+#include "cli/arguments/pose_argument.h"
 #include "cli/program.h"
 #include "selvage/core/error.h"
 

@@ -1,7 +1,7 @@
-#include "cli/output.h"
+#include "cli/program/output.h"
 
-#include "cli/console.h"
 #include "cli/program.h"
+#include "cli/program/console.h"
 #include "selvage/core/error.h"
 #include "selvage/shapes/shapes.h"
 

@@ -1,4 +1,4 @@
-#include "cli/path_search.h"
+#include "cli/reports/path_search.h"
 
 #include "cli/program.h"
 #include "selvage/core/error.h"

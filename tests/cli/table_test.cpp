@@ -1,8 +1,8 @@
-#include "cli/components.h"
-#include "cli/mesh_input.h"
-#include "cli/path_table.h"
+#include "cli/arguments/mesh_input.h"
 #include "cli/program.h"
-#include "cli/quality.h"
+#include "cli/reports/components.h"
+#include "cli/reports/path_table.h"
+#include "cli/reports/quality.h"
 
 #include <nlohmann/json.hpp>
 

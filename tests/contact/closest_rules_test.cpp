@@ -1,10 +1,10 @@
 #include "contact/closest_rules.h"
 
-#include "solids.h"
 #include "selvage/contact/contact_finder.h"
 #include "selvage/geometry/closest_point.h"
 #include "selvage/shapes/poses.h"
 #include "selvage/shapes/shapes.h"
+#include "solids.h"
 #include "test_scale.h"
 
 #include <gtest/gtest.h>

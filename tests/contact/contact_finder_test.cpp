@@ -1,13 +1,13 @@
 #include "selvage/contact/contact_finder.h"
 
 #include "contact/contact_parts.h"
-#include "solids.h"
 #include "selvage/core/error.h"
 #include "selvage/geometry/closest_point.h"
 #include "selvage/geometry/continuous.h"
 #include "selvage/geometry/predicates.h"
 #include "selvage/shapes/poses.h"
 #include "selvage/shapes/shapes.h"
+#include "solids.h"
 #include "test_scale.h"
 
 #include <tbb/global_control.h>

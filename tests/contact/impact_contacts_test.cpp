@@ -1,9 +1,9 @@
 #include "contact/impact_contacts.h"
 
 #include "contact/contact_parts.h"
-#include "solids.h"
 #include "selvage/geometry/continuous.h"
 #include "selvage/geometry/distance.h"
+#include "solids.h"
 #include "test_scale.h"
 
 #include <gtest/gtest.h>

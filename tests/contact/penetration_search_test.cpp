@@ -2,10 +2,10 @@
 
 #include "contact/contact_parts.h"
 #include "contact/edge_part.h"
-#include "solids.h"
 #include "selvage/boundary_path/boundary_path.h"
 #include "selvage/geometry/predicates.h"
 #include "selvage/shapes/shapes.h"
+#include "solids.h"
 #include "test_scale.h"
 
 #include <tbb/global_control.h>

@@ -9,12 +9,16 @@ set(floors core geometry mesh bvh/io/shapes boundary_path/self_collision contact
     untangling/scene picture cli/python/viewer)
 # The rooms of a floor, likewise. What lies in the floor's own folder may include all of them, and no room includes it.
 set(rooms_of_geometry exact)
+set(rooms_of_io formats)
+set(rooms_of_shapes stuffing sequences)
+set(rooms_of_picture drawing)
+set(rooms_of_cli program arguments reports commands)
 set(rooms_of_core simd)
 set(rooms_of_boundary_path input traversal injectivity location search packets)
 set(rooms_of_self_collision surface culling discrete/continuous)
 set(rooms_of_simulation colliders xpbd)
 # Floors whose own folder lies below their rooms: a room may include what lies there, and not the reverse.
-set(floors_below_rooms geometry core simulation)
+set(floors_below_rooms geometry core io shapes simulation)
 set(simd_folder src/core/simd)
 set(parallel_header src/core/parallel.h)
 

@@ -1,9 +1,9 @@
 #include "picture/paths_picture.h"
 
-#include "picture/camera.h"
-#include "picture/ink.h"
+#include "picture/drawing/camera.h"
+#include "picture/drawing/ink.h"
+#include "picture/drawing/raster.h"
 #include "picture/legend.h"
-#include "picture/raster.h"
 #include "selvage/core/error.h"
 
 #include <gtest/gtest.h>

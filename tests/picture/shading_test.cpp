@@ -1,4 +1,4 @@
-#include "picture/shading.h"
+#include "picture/drawing/shading.h"
 #include "picture/composition.h"
 #include "picture/surface_corners.h"
 

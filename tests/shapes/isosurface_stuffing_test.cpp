@@ -1,4 +1,4 @@
-#include "shapes/isosurface_stuffing.h"
+#include "shapes/stuffing/isosurface_stuffing.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

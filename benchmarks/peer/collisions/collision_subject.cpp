@@ -1,0 +1,34 @@
+#include "peer/collisions/collision_subject.h"
+
+#include "selvage/mesh/simplex_mesh.h"
+#include "selvage/shapes/sequences.h"
+
+#include <fmt/format.h>
+
+namespace selvage::bench {
+
+namespace {
+
+/// The triangles of a surface, or the boundary of a tetrahedral mesh.
+TriangleMesh surface_of(const IndexedMesh& file) {
+  const Index vertex_count = static_cast<Index>(file.positions.size());
+  if (file.tetrahedra.empty()) return {vertex_count, file.triangles};
+  const TetMesh mesh(vertex_count, file.tetrahedra);
+  return {vertex_count, {mesh.boundary_faces().begin(), mesh.boundary_faces().end()}};
+}
+
+}  // namespace
+
+CollisionSubject::CollisionSubject(std::string_view sequence, std::int64_t triangles, int frames) {
+  const SurfaceSequence motion(sequence, triangles);
+  mesh_ = TriangleMesh(motion.vertex_count(), motion.triangles());
+  name_ = triangles == 0 ? std::string(sequence) : fmt::format("{}-{}k", sequence, mesh_.triangle_count() / 1000);
+  const int count = std::min<int>(frames, motion.frame_count());
+  const int first = (motion.frame_count() - count) * 9 / 10;
+  for (int i = 0; i < count; ++i) frames_.push_back(motion.positions(first + i));
+}
+
+CollisionSubject::CollisionSubject(std::string name, const IndexedMesh& file, int frames)
+    : name_(std::move(name)), mesh_(surface_of(file)), frames_(frames, file.positions) {}
+
+}  // namespace selvage::bench

@@ -1,0 +1,161 @@
+#include "cli/arguments/pose_argument.h"
+#include "cli/program/command.h"
+#include "cli/program/console.h"
+#include "cli/program/json_text.h"
+#include "cli/program/output.h"
+#include "selvage/core/error.h"
+#include "selvage/io/mesh_file.h"
+#include "selvage/shapes/shapes.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include <memory>
+
+namespace selvage::cli {
+
+namespace {
+
+struct MakeOptions {
+  CommonOptions common;
+  std::string shape, curve, output;
+  std::vector<double> size;
+  ShapeOptions measures;
+  std::vector<std::string> poses;
+  bool ascii = false, binary = false;
+};
+
+constexpr const char* kMakeExample =
+    "  selvage make octopus --elements 30000 --pose swirl -o octopus.vtu\n"
+    "  selvage make rod --length 8 --pose self-crossing,crossings=1 -o noodle.t\n"
+    "\n"
+    "Shapes, with what they take and take by default:\n"
+    "  box           --size 1 1 1\n"
+    "  beam          --size 6 0.5 0.5\n"
+    "  rod           --length 6 --radius 0.25\n"
+    "  trefoil       --length 20 --radius 0.25\n"
+    "  nested-knot   --length 60 --radius 0.25\n"
+    "  noodle        --length 60 --radius 0.1\n"
+    "  ball          --radius 1\n"
+    "  torus         --radius 1 --inner-radius 0.3\n"
+    "  tube          --length 4 --radius 0.3 --inner-radius 0.2\n"
+    "  squishy-ball  --radius 1 --tentacles 200 --seed 1 --slenderness 1\n"
+    "  octopus       --radius 1 --seed 1 --slenderness 1\n"
+    "  cloth         --size 2 2\n"
+    "\n"
+    "Poses, likewise; without an axis, the longest one of the mesh:\n"
+    "  twist,turns=1   bend,turns=1.25   fold,angle=4.2   self-crossing,crossings=2\n"
+    "  swirl,turns=0.15,core=0.5   overlap: a copy, a third of its size away";
+
+/// The name under which the library knows the shape: a bent rod has the name of its curve.
+std::string shape_name(const MakeOptions& options) {
+  if (options.curve.empty()) return options.shape;
+  if (options.shape != "rod") throw Error("--curve", "only a rod has a curve", "leave it out");
+  if (options.curve == "straight") return "rod";
+  return options.curve == "coil" ? "noodle" : options.curve;
+}
+
+void set_size(MakeOptions& options) {
+  if (options.size.empty()) return;
+  const std::size_t lengths = options.shape == "cloth" ? 2 : 3;
+  if (options.size.size() != lengths)
+    throw Error("--size", fmt::format("{} lengths for the shape '{}'", options.size.size(), options.shape),
+                fmt::format("give {}", lengths));
+  Vec3 size = Vec3::Zero();
+  for (std::size_t i = 0; i < options.size.size(); ++i) size[static_cast<int>(i)] = options.size[i];
+  options.measures.size = size;
+}
+
+FileEncoding encoding_of(const MakeOptions& options) {
+  if (options.ascii) return FileEncoding::kAscii;
+  return options.binary ? FileEncoding::kBinary : FileEncoding::kUsual;
+}
+
+void run_make(MakeOptions& options) {
+  Stopwatch watch;
+  std::vector<PoseArgument> poses;
+  for (const std::string& text : options.poses) poses.push_back(parse_pose(text));
+  OutputFiles outputs;
+  if (options.output == "-") throw Error("-o", "a mesh cannot be written to standard output", "name a file");
+  for (const auto& file : files_of_mesh(options.output)) outputs.expect(file.string());
+  outputs.expect(options.common.json);
+
+  set_size(options);
+  const std::string name = shape_name(options);
+  IndexedMesh mesh = make_shape(name, options.measures);
+  watch.lap("make");
+  for (const PoseArgument& pose : poses) apply_pose(mesh, pose.name, pose.options);
+  watch.lap("pose");
+
+  nlohmann::ordered_json result{{"schema", 1},
+                                {"kind", "make"},
+                                {"shape", name},
+                                {"poses", options.poses},
+                                {"mesh", options.output},
+                                {"vertices", mesh.positions.size()},
+                                {"tetrahedra", mesh.tetrahedra.size()},
+                                {"triangles", mesh.triangles.size()}};
+  outputs.write_mesh(options.output, mesh, encoding_of(options));
+  watch.lap("write");
+  for (const auto& [phase, seconds] : watch.laps()) result["seconds"][phase] = seconds;
+  outputs.write_text(options.common.json, json_text(result) + "\n");
+  outputs.commit();
+  if (options.common.quiet || outputs.uses_standard_output()) return;
+  const bool solid = !mesh.tetrahedra.empty();
+  fmt::print("{}: {} vertices, {} {} in {}\n", options.output,
+             grouped(static_cast<std::int64_t>(mesh.positions.size())),
+             grouped(static_cast<std::int64_t>(solid ? mesh.tetrahedra.size() : mesh.triangles.size())),
+             solid ? "tetrahedra" : "triangles", readable_seconds(watch.total()));
+}
+
+void add_measures(CLI::App& app, MakeOptions& options) {
+  ShapeOptions& m = options.measures;
+  app.add_option("--elements", m.elements, "Number of elements, about")->type_name("N");
+  app.add_option("--cell", m.cell, "Edge length of an element, about [m]")
+      ->excludes(app.get_option("--elements"))
+      ->type_name("D");
+  app.add_option("--size", options.size, "Box, beam: three lengths; cloth: two [m]")
+      ->expected(2, 3)
+      ->type_name("X Y [Z]");
+  app.add_option("--length", m.length, "Rods, tube [m]")->type_name("D");
+  app.add_option("--radius", m.radius, "Rods, balls, tube (outer), torus (major), octopus (reach) [m]")->type_name("D");
+  app.add_option("--inner-radius", m.inner_radius, "Tube (inner), torus (minor) [m]")->type_name("D");
+  app.add_option("--curve", options.curve, "Rod: the curve it follows: straight, trefoil, nested-knot or coil")
+      ->check(CLI::IsMember({"straight", "trefoil", "nested-knot", "coil"}))
+      ->type_name("NAME");
+  app.add_option("--tentacles", m.tentacles, "Squishy ball: how many")->type_name("N");
+  app.add_option("--seed", m.seed, "Octopus, squishy ball: another number, another shape")->type_name("N");
+  app.add_option("--slenderness", m.slenderness, "Octopus, squishy ball: from 1, thinner arms and longer tentacles")
+      ->type_name("S");
+}
+
+}  // namespace
+
+Command add_make(CLI::App& app) {
+  auto options = std::make_shared<MakeOptions>();
+  CLI::App* sub = add_subcommand(app, "make", "Makes a mesh by formula, and tangles it.", kMakeExample);
+  sub->add_option("shape", options->shape, fmt::format("One of {}", fmt::join(shape_names(), ", ")))
+      ->required()
+      ->type_name("SHAPE");
+  sub->add_option("-o,--output", options->output, "Mesh file to write; its extension tells the format")
+      ->required()
+      ->type_name("MESH");
+  add_measures(*sub, *options);
+  sub->add_option("--pose", options->poses,
+                  fmt::format("Tangle it: NAME[,KEY=VALUE]..., one of {}, with axis=x|y|z, turns=, angle= [rad], "
+                              "crossings=, core=, dx= dy= dz= [m] where the pose has it; several are applied in turn",
+                              fmt::join(pose_names(), ", ")))
+      ->take_all()
+      ->expected(1)
+      ->type_name("POSE");
+  auto* ascii = sub->add_flag("--ascii", options->ascii, "Write text where the format has text and binary");
+  sub->add_flag("--binary", options->binary, "Write binary where the format has both, as by default but for .off")
+      ->excludes(ascii);
+  return {sub, &options->common, [options] {
+            run_make(*options);
+            return kDone;
+          }};
+}
+
+}  // namespace selvage::cli
