@@ -5,6 +5,7 @@
 #include "scene/scene_description.h"
 #include "selvage/core/error.h"
 #include "selvage/geometry/predicates.h"
+#include "selvage/io/mesh_file.h"
 #include "simulation/colliders/obstacle.h"
 
 #include <fmt/format.h>
