@@ -6,7 +6,7 @@
 #include "selvage/core/error.h"
 #include "selvage/geometry/predicates.h"
 #include "selvage/io/mesh_file.h"
-#include "simulation/colliders/obstacle.h"
+#include "simulation/colliders/prepared_collider.h"
 
 #include <fmt/format.h>
 
@@ -138,7 +138,7 @@ Collider build_collider(const ColliderDescription& description) {
     shape.triangles.assign(solid.boundary_faces().begin(), solid.boundary_faces().end());
   }
   for (const Vec3& p : mesh.positions) shape.positions.push_back(description.place.apply(p));
-  at_place(description.mesh->where, [&] { return MeshSolid("surface", shape); });  // refuses what is not closed
+  at_place(description.mesh->where, [&] { return MeshCollider("surface", shape); });  // refuses what is not closed
   collider.shape = std::move(shape);
   return collider;
 }

@@ -10,26 +10,26 @@
 namespace selvage {
 namespace {
 
-MeshSolid mesh_solid(const IndexedMesh& file) {
+MeshCollider mesh_collider(const IndexedMesh& file) {
   const TetMesh mesh(static_cast<Index>(file.positions.size()), file.tetrahedra);
-  return {"solid", {file.positions, {mesh.boundary_faces().begin(), mesh.boundary_faces().end()}}};
+  return {"mesh", {file.positions, {mesh.boundary_faces().begin(), mesh.boundary_faces().end()}}};
 }
 
 /// Where a way is inside, by trying many places of it: the first and the last.
-template <typename Solid>
-std::optional<std::pair<double, double>> try_places(const Solid& solid, const Vec3& from, const Vec3& to, int places) {
+template <typename Shape>
+std::optional<std::pair<double, double>> try_places(const Shape& shape, const Vec3& from, const Vec3& to, int places) {
   std::optional<std::pair<double, double>> ends;
   for (int i = 0; i <= places; ++i) {
     const double at = static_cast<double>(i) / places;
-    if (!find_hit(solid, from + at * (to - from))) continue;
+    if (!find_hit(shape, from + at * (to - from))) continue;
     if (!ends) ends = {at, at};
     ends->second = at;
   }
   return ends;
 }
 
-template <typename Solid>
-void compare_with_places(const Solid& solid, const char* name) {
+template <typename Shape>
+void compare_with_places(const Shape& shape, const char* name) {
   constexpr int kPlaces = 400;
   test::Random random(test::seed(3));
   const auto place = [&] { return Vec3(random.within(-1, 1), random.within(-1, 1), random.within(-1, 1)); };
@@ -37,9 +37,9 @@ void compare_with_places(const Solid& solid, const char* name) {
   const std::int64_t ways = test::scaled(400);
   for (std::int64_t n = 0; n < ways; ++n) {
     const Vec3 from = 1.5 * place(), to = 1.5 * place(), way = to - from;
-    if (find_hit(solid, from)) continue;
-    const auto ends = try_places(solid, from, to, kPlaces);
-    const auto passage = find_passage(solid, from, to);
+    if (find_hit(shape, from)) continue;
+    const auto ends = try_places(shape, from, to, kPlaces);
+    const auto passage = find_passage(shape, from, to);
     if (!ends) {
       // Nothing, or less than between two places.
       past += !passage;
@@ -65,8 +65,8 @@ void compare_with_places(const Solid& solid, const char* name) {
 TEST(Passage, IsThatOfManyPlacesTried) {
   compare_with_places(SphereShape{{0.2, 0.1, 0}, 0.7}, "sphere");
   compare_with_places(CylinderShape{{0, 0.1, 0.1}, Vec3(1, 2, 3).normalized(), 0.6, 1}, "cylinder");
-  compare_with_places(mesh_solid(make_ball(0.8, 0.3)), "ball");
-  compare_with_places(mesh_solid(make_torus(0.8, 0.35, 0.2)), "torus");
+  compare_with_places(mesh_collider(make_ball(0.8, 0.3)), "ball");
+  compare_with_places(mesh_collider(make_torus(0.8, 0.35, 0.2)), "torus");
 }
 
 TEST(Passage, LeadsBackOnlyWhereItWentThrough) {

@@ -9,10 +9,10 @@ namespace selvage {
 
 namespace {
 
-/// Part of a solid's size by which a way may begin inside of it: rounding of what was set on its surface.
+/// Part of a shape's size by which a way may begin inside of it: rounding of what was set on its surface.
 constexpr double kOnSurface = 1e-9;
 
-/// The part of a line that is inside a convex solid, as parameters of the line, and the normals at its ends.
+/// The part of a line that is inside a convex shape, as parameters of the line, and the normals at its ends.
 struct Chord {
   double first = -std::numeric_limits<double>::infinity(), last = std::numeric_limits<double>::infinity();
   Vec3 first_normal = Vec3::Zero(), last_normal = Vec3::Zero();
@@ -78,16 +78,16 @@ std::optional<Passage> find_passage(const CylinderShape& cylinder, const Vec3& f
   return passage_of(chord, from, way);
 }
 
-std::optional<Passage> find_passage(const MeshSolid& solid, const Vec3& from, const Vec3& to) {
+std::optional<Passage> find_passage(const MeshCollider& shape, const Vec3& from, const Vec3& to) {
   const Vec3 way = to - from;
   const double length = way.norm();
   if (!(length > 0)) return {};
-  const double slack = kOnSurface * solid.bounds().diagonal().norm() / length;
+  const double slack = kOnSurface * shape.bounds().diagonal().norm() / length;
   double first = std::numeric_limits<double>::infinity(), last = -first;
   Passage passage{from, Vec3::Zero(), Vec3::Zero()};
   const Vec3 begin = from - slack * way;
-  visit_overlaps(solid.nodes(), enclosing_box<3>(begin.cwiseMin(to), begin.cwiseMax(to)), [&](Index t) {
-    const auto& [a, b, c] = solid.corners(t);
+  visit_overlaps(shape.nodes(), enclosing_box<3>(begin.cwiseMin(to), begin.cwiseMax(to)), [&](Index t) {
+    const auto& [a, b, c] = shape.corners(t);
     const Vec3 area = (b - a).cross(c - a);
     const double along = area.dot(way);
     if (along == 0) return;

@@ -12,7 +12,7 @@ namespace selvage {
 namespace {
 
 constexpr std::int64_t kVertexGrain = 1024;
-/// Vertices that are passed over together where an obstacle is far from all of them.
+/// Vertices that are passed over together where a collider is far from all of them.
 constexpr std::int64_t kVertexRun = 128;
 /// Part of a vertex's shortest edge that a point inside a body is sent at a time.
 constexpr double kVertexReach = 0.25;
@@ -110,28 +110,28 @@ void project_contact(const Contact& contact, const Step& step, std::span<const d
   if (is_path(contact.kind)) sides.visit_moves(out, [&](Index v, const Vec3& move) { sent[v] += move; });
 }
 
-/// An obstacle and where it is at the ends of a step.
-struct MovingObstacle {
-  const Obstacle& obstacle;
+/// A collider and where it is at the ends of a step.
+struct MovingCollider {
+  const PreparedCollider& collider;
   RigidTransform from, to;
-  bool is_still = obstacle.motion.keyframes.empty();
+  bool is_still = collider.motion.keyframes.empty();
 
-  /// In the obstacle's own coordinates, at the end of the step.
+  /// In the collider's own coordinates, at the end of the step.
   Vec3 place(VertexRow& vertex) const { return is_still ? Vec3(position(vertex)) : to.invert(position(vertex)); }
 
   /// @param surface  what starts the step no deeper inside lies on the surface [m]; infinite: all does
-  template <typename Solid>
-  ObstacleContacts push_out(const Solid& solid, const Step& step, std::int64_t v, double surface, const Vec3& sent,
-                            ObstacleGrip& grip, VertexRow& vertex) const {
+  template <typename Shape>
+  ColliderContacts push_out(const Shape& shape, const Step& step, std::int64_t v, double surface, const Vec3& sent,
+                            ColliderGrip& grip, VertexRow& vertex) const {
     const Vec3 p = place(vertex);
     const Vec3 was = from.invert(step.positions[v]);
-    const std::optional<Hit> hit = find_hit_on_way(solid, was, p);
+    const std::optional<Hit> hit = find_hit_on_way(shape, was, p);
     if (!hit) return {};
-    ObstacleContacts contacts{1, 0};
+    ColliderContacts contacts{1, 0};
     if (grip.step != step.number) {
       grip = {};
       grip.step = step.number;
-      const std::optional<Hit> buried = std::isfinite(surface) ? find_hit(solid, was) : std::optional<Hit>();
+      const std::optional<Hit> buried = std::isfinite(surface) ? find_hit(shape, was) : std::optional<Hit>();
       if (buried && buried->depth > surface) {
         grip.way_out = to.rotation * buried->normal;
         grip.buried = buried->depth;
@@ -141,7 +141,7 @@ struct MovingObstacle {
     const Vec3 outside = p + hit->depth * hit->normal;
     const Vec3 moved = outside - was - to.rotation.transpose() * sent;
     const Vec3 drift = to.invert(step.positions[v] + step.length() * step.velocities[v]) - was;
-    const Vec3 slide = friction_correction(moved, drift, hit->normal, hit->depth, obstacle.friction, grip.grip);
+    const Vec3 slide = friction_correction(moved, drift, hit->normal, hit->depth, collider.friction, grip.grip);
     position(vertex) = to(outside + slide);
     return contacts;
   }
@@ -151,7 +151,7 @@ struct MovingObstacle {
     const Vec3 p = place(vertex);
     const Vec3 was = from.invert(step.positions[v]);
     const std::optional<Hit> hit =
-        std::visit([&](const auto& solid) { return find_hit_on_way(solid, was, p); }, obstacle.solid);
+        std::visit([&](const auto& shape) { return find_hit_on_way(shape, was, p); }, collider.shape);
     if (hit) position(vertex) = to(p + hit->depth * hit->normal);
   }
 };
@@ -186,22 +186,22 @@ void push_apart(std::span<const Contact> contacts, const Push& push, std::span<V
   }
 }
 
-ObstacleContacts project_obstacles(std::span<const Obstacle> obstacles, const Step& step,
+ColliderContacts project_colliders(std::span<const PreparedCollider> colliders, const Step& step,
                                    std::span<const double> reaches, std::span<const Vec3> sent,
-                                   std::span<ObstacleGrip> grips, std::span<VertexRow> vertices) {
-  if (obstacles.empty()) return {};
-  std::vector<MovingObstacle> moving;
+                                   std::span<ColliderGrip> grips, std::span<VertexRow> vertices) {
+  if (colliders.empty()) return {};
+  std::vector<MovingCollider> moving;
   bool any_far_side = false;
-  for (const Obstacle& obstacle : obstacles) {
-    moving.push_back({obstacle, obstacle.motion.at(step.from), obstacle.motion.at(step.to)});
-    any_far_side |= std::visit([](const auto& s) { return kHasFarSide<std::decay_t<decltype(s)>>; }, obstacle.solid);
+  for (const PreparedCollider& collider : colliders) {
+    moving.push_back({collider, collider.motion.at(step.from), collider.motion.at(step.to)});
+    any_far_side |= std::visit([](const auto& s) { return kHasFarSide<std::decay_t<decltype(s)>>; }, collider.shape);
   }
   const std::size_t count = moving.size();
-  // To find a box takes half as long as to ask one obstacle of every vertex.
+  // To find a box takes half as long as to ask one collider of every vertex.
   const bool pays_box = count > 1;
   const std::int64_t run = pays_box ? kVertexRun : std::ssize(vertices);
   const auto surface_of = [&](std::int64_t v) { return reaches.empty() ? HUGE_VAL : kContactGap * reaches[v]; };
-  const auto project = [&](std::int64_t first, std::int64_t last, ObstacleContacts& hits) {
+  const auto project = [&](std::int64_t first, std::int64_t last, ColliderContacts& hits) {
     std::vector<std::int64_t> pushed;
     Eigen::AlignedBox3d box, ways;
     const auto place_boxes = [&] {
@@ -212,27 +212,27 @@ ObstacleContacts project_obstacles(std::span<const Obstacle> obstacles, const St
     if (pays_box) place_boxes();
     for (std::size_t o = 0; o < count; ++o)
       std::visit(
-          [&](const auto& solid) {
-            constexpr bool kByWays = kHasFarSide<std::decay_t<decltype(solid)>>;
-            if (pays_box && moving[o].is_still && is_clear(solid, kByWays ? ways : box)) return;
+          [&](const auto& shape) {
+            constexpr bool kByWays = kHasFarSide<std::decay_t<decltype(shape)>>;
+            if (pays_box && moving[o].is_still && is_clear(shape, kByWays ? ways : box)) return;
             const std::int64_t before = hits.count;
             for (std::int64_t v = first; v < last; ++v) {
               if (!(vertices[v].inverse_mass > 0)) continue;
               const auto hit =
-                  moving[o].push_out(solid, step, v, surface_of(v), sent[v], grips[v * count + o], vertices[v]);
+                  moving[o].push_out(shape, step, v, surface_of(v), sent[v], grips[v * count + o], vertices[v]);
               if (hit.count > 0) pushed.push_back(v);
               hits.add(hit);
             }
             if (pays_box && hits.count > before) place_boxes();
           },
-          obstacles[o].solid);
+          colliders[o].shape);
     // What friction holds back from sliding along one wall, it holds back from leaving another, and the same one where
     // that is hollow.
     for (const std::int64_t v : pushed)
-      for (const MovingObstacle& obstacle : moving) obstacle.set_on_surface(step, v, vertices[v]);
+      for (const MovingCollider& collider : moving) collider.set_on_surface(step, v, vertices[v]);
   };
-  return parallel_reduce<ObstacleContacts>(std::ssize(vertices), kVertexGrain,
-                                           [&](std::int64_t first, std::int64_t last, ObstacleContacts& hits) {
+  return parallel_reduce<ColliderContacts>(std::ssize(vertices), kVertexGrain,
+                                           [&](std::int64_t first, std::int64_t last, ColliderContacts& hits) {
                                              for (; first < last; first += run)
                                                project(first, std::min(first + run, last), hits);
                                            });

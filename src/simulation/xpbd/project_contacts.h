@@ -2,7 +2,7 @@
 
 #include "selvage/contact/contact.h"
 #include "selvage/contact/friction.h"
-#include "simulation/colliders/obstacle.h"
+#include "simulation/colliders/prepared_collider.h"
 #include "simulation/xpbd/material_blocks.h"
 
 #include <algorithm>
@@ -50,38 +50,38 @@ struct Push {
 /// Moves vertices out of every contact, one after the other in the order given, without friction.
 void push_apart(std::span<const Contact> contacts, const Push& push, std::span<VertexRow> vertices);
 
-/// What an obstacle has done to a vertex in the step in which it last did something. Hardly any vertex meets any, so
+/// What a collider has done to a vertex in the step in which it last did something. Hardly any vertex meets any, so
 /// that nothing goes through all of these to clear them.
-struct ObstacleGrip {
+struct ColliderGrip {
   Grip grip;
   Vec3 way_out = Vec3::Zero();  ///< unit normal there, where the vertex started the step inside
   double buried = 0;            ///< how deep it did [m]
-  std::int64_t step = -1;       ///< see project_obstacles()
+  std::int64_t step = -1;       ///< see project_colliders()
 
   /// The part of what it was pushed that only undoes where it started.
   Vec3 lift() const { return std::min(buried, grip.pressed) * way_out; }
 };
 
-/// What obstacles did, by vertices and obstacles.
-struct ObstacleContacts {
+/// What colliders did, by vertices and colliders.
+struct ColliderContacts {
   std::int64_t count = 0;   ///< vertices pushed out
   std::int64_t buried = 0;  ///< of these, first pushed in this step, and inside at its start: see lift()
 
-  void add(const ObstacleContacts& other) {
+  void add(const ColliderContacts& other) {
     count += other.count;
     buried += other.buried;
   }
 };
 
-/// Moves vertices out of obstacles, which move during the step, to the side that they come from: see
-/// find_hit_on_way(). Friction holds none inside another obstacle, nor inside a body. Parallel.
+/// Moves vertices out of colliders, which move during the step, to the side that they come from: see
+/// find_hit_on_way(). Friction holds none inside another collider, nor inside a body. Parallel.
 ///
 /// @param reaches  (n_vertices) [m]: what starts the step inside by less than kContactGap of them lies on the surface;
 ///                 empty where what starts inside is no matter
 /// @param sent     (n_vertices) what project_contacts() says
-/// @param grips    (n_vertices x n_obstacles); updated
-ObstacleContacts project_obstacles(std::span<const Obstacle> obstacles, const Step& step,
+/// @param grips    (n_vertices x n_colliders); updated
+ColliderContacts project_colliders(std::span<const PreparedCollider> colliders, const Step& step,
                                    std::span<const double> reaches, std::span<const Vec3> sent,
-                                   std::span<ObstacleGrip> grips, std::span<VertexRow> vertices);
+                                   std::span<ColliderGrip> grips, std::span<VertexRow> vertices);
 
 }  // namespace selvage

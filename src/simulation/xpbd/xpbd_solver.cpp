@@ -66,7 +66,7 @@ struct XpbdSolver::Parts {
   XpbdOptions options;
   std::vector<Handle> handles;
   std::vector<std::vector<Vec3>> handle_places;  ///< where the vertices of each were at time 0
-  std::vector<Obstacle> obstacles;
+  std::vector<PreparedCollider> colliders;
   MaterialSolver material;
   std::optional<ContactFinder> contact_finder;
   std::vector<Vec3> proposed;  ///< positions after the material solve
@@ -74,27 +74,22 @@ struct XpbdSolver::Parts {
   std::vector<double> reaches;               ///< see project_contacts()
   std::vector<Grip> contact_grips;           ///< (n_contacts)
   std::vector<Vec3> sent;                    ///< (n_vertices) see project_contacts()
-  std::vector<ObstacleGrip> obstacle_grips;  ///< (n_vertices x n_obstacles)
-  ObstacleContacts obstacle_contacts;        ///< of the step
+  std::vector<ColliderGrip> collider_grips;  ///< (n_vertices x n_colliders)
+  ColliderContacts collider_contacts;        ///< of the step
   std::vector<VertexRow> vertices;           ///< as the step moves them
   std::vector<VertexRow> start;              ///< the same at the start of the step, where it is needed
   std::int64_t steps = 0;                    ///< begun by this solver
   StepStatistics statistics;
 
-  Parts(const Model& m, const State& initial, std::vector<Handle> h, std::span<const Collider> colliders,
-        const XpbdOptions& o)
-      : model(m),
-        options(o),
-        handles(std::move(h)),
-        obstacles(make_obstacles(colliders)),
-        material(m, options.time_step) {
+  Parts(const Model& m, const State& initial, std::vector<Handle> h, std::span<const Collider> c, const XpbdOptions& o)
+      : model(m), options(o), handles(std::move(h)), colliders(prepare_colliders(c)), material(m, options.time_step) {
     for (const Handle& handle : handles) {
       std::vector<Vec3>& places = handle_places.emplace_back();
       for (const Index v : handle.vertices) places.push_back(initial.positions[v]);
     }
     vertices.resize(model.mesh.vertex_count());
     sent.resize(vertex_count(), Vec3::Zero());
-    obstacle_grips.resize(vertex_count() * obstacles.size());
+    collider_grips.resize(vertex_count() * colliders.size());
     if (material.needs_start()) start = vertices;
     reaches = reaches_of(model);
     if (options.contact.mode == DetectionMode::kOff) return;
@@ -164,8 +159,8 @@ struct XpbdSolver::Parts {
                 "take a smaller time step, softer materials or slower handles");
   }
 
-  /// Whether vertices may be inside obstacles that nothing had to do with before: at first, and when let go. Later
-  /// those are that two obstacles press from one into the other.
+  /// Whether vertices may be inside colliders that nothing had to do with before: at first, and when let go. Later
+  /// those are that two colliders press from one into the other.
   bool may_start_inside(const State& state, double from) const {
     const double step = options.time_step;
     return state.steps == 0 || std::any_of(handles.begin(), handles.end(), [&](const Handle& handle) {
@@ -174,13 +169,13 @@ struct XpbdSolver::Parts {
            });
   }
 
-  /// How far obstacles have moved a vertex for no other reason than that it started the step inside of them. That gives
+  /// How far colliders have moved a vertex for no other reason than that it started the step inside of them. That gives
   /// it no speed: a body that starts half in the floor would fly off with its depth a step.
   Vec3 lift_of(Index v) const {
     Vec3 lift = Vec3::Zero();
-    if (obstacle_contacts.buried == 0) return lift;
-    for (std::size_t o = 0; o < obstacles.size(); ++o) {
-      const ObstacleGrip& grip = obstacle_grips[v * obstacles.size() + o];
+    if (collider_contacts.buried == 0) return lift;
+    for (std::size_t o = 0; o < colliders.size(); ++o) {
+      const ColliderGrip& grip = collider_grips[v * colliders.size() + o];
       if (grip.step == steps) lift += grip.lift();
     }
     return lift;
@@ -214,8 +209,8 @@ struct XpbdSolver::Parts {
       project_contacts(contacts, step, reaches, {options.static_friction, options.dynamic_friction}, contact_grips,
                        sent, vertices);
       const auto reach = may_start_inside(state, from) ? std::span<const double>(reaches) : std::span<const double>();
-      obstacle_contacts.add(project_obstacles(obstacles, step, reach, sent, obstacle_grips, vertices));
-      statistics.collider_contacts = obstacle_contacts.count;
+      collider_contacts.add(project_colliders(colliders, step, reach, sent, collider_grips, vertices));
+      statistics.collider_contacts = collider_contacts.count;
     });
   }
 
@@ -234,7 +229,7 @@ struct XpbdSolver::Parts {
       for (int i = 0; i < contact.count; ++i) sent[contact.vertices[i]].setZero();
     find_contacts();
     contact_grips.assign(contacts.size(), {});
-    obstacle_contacts = {};
+    collider_contacts = {};
     project(state, from, to);
     for (int iteration = free_iterations; iteration < options.iterations; ++iteration) {
       solve_material(iteration, iteration + 1);

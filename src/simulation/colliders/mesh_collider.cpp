@@ -1,7 +1,8 @@
+#include "simulation/colliders/mesh_collider.h"
+
 #include "bvh/traverse.h"
 #include "selvage/core/error.h"
 #include "selvage/geometry/closest_point.h"
-#include "simulation/colliders/obstacle.h"
 
 #include <fmt/format.h>
 
@@ -106,7 +107,7 @@ void check_outward(const std::string& where, const TriangleMesh& mesh, std::span
 
 }  // namespace
 
-MeshSolid::MeshSolid(const std::string& where, const MeshShape& shape)
+MeshCollider::MeshCollider(const std::string& where, const MeshShape& shape)
     : positions_(shape.positions), mesh_(surface_of(where, shape)) {
   if (positions_.size() == 3 * shape.triangles.size()) {  // each triangle has its own: so it is in STL
     MeshShape joined = join_corners(shape);
@@ -134,7 +135,7 @@ MeshSolid::MeshSolid(const std::string& where, const MeshShape& shape)
   bvh_ = Bvh(boxes);
 }
 
-std::optional<Hit> MeshSolid::find_hit(const Vec3& p) const {
+std::optional<Hit> MeshCollider::find_hit(const Vec3& p) const {
   if (!bounds_.contains(p)) return {};
   ClosestPoint<3, 3> nearest;
   nearest.squared_distance = std::numeric_limits<double>::infinity();

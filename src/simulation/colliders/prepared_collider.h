@@ -1,54 +1,22 @@
 #pragma once
 
-#include "bvh/bvh.h"
 #include "selvage/contact/friction.h"
-#include "selvage/mesh/triangle_mesh.h"
 #include "selvage/simulation/collider.h"
+#include "simulation/colliders/mesh_collider.h"
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <optional>
 
 namespace selvage {
 
-/// How a point gets out of a solid the shortest way.
-struct Hit {
-  Vec3 normal;   ///< unit, outward
-  double depth;  ///< [m]
-};
-
-/// The solid inside a closed surface.
-class MeshSolid {
- public:
-  /// Where no two triangles have a vertex in common, those in the same place are taken as one.
-  /// @throws Error  when a position is not finite, or the surface is not closed or faces inwards; it names `where`
-  MeshSolid(const std::string& where, const MeshShape& shape);
-
-  std::optional<Hit> find_hit(const Vec3& p) const;
-  std::span<const BvhNode> nodes() const { return bvh_.nodes(); }
-  std::array<Vec3, 3> corners(Index triangle) const {
-    const auto& [a, b, c] = mesh_.triangles()[triangle];
-    return {positions_[a], positions_[b], positions_[c]};
-  }
-  const Eigen::AlignedBox3d& bounds() const { return bounds_; }
-
- private:
-  std::vector<Vec3> positions_;
-  TriangleMesh mesh_;
-  Bvh bvh_;
-  /// Pseudo-normals (Baerentzen and Aanaes 2005): of any length, and on the right side of all faces around.
-  std::vector<Vec3> triangle_normals_, edge_normals_, vertex_normals_;
-  Eigen::AlignedBox3d bounds_;
-};
-
-/// A collider made ready. A container of six walls is six obstacles.
-struct Obstacle {
-  std::variant<PlaneShape, Bowl, SphereShape, CylinderShape, MeshSolid> solid;
+/// A collider as the solvers use it. A BoxContainer becomes six planes.
+struct PreparedCollider {
+  std::variant<PlaneShape, Bowl, SphereShape, CylinderShape, MeshCollider> shape;
   Motion motion;
   Friction friction;
 };
 
-/// Where a point is inside a solid, in the collider's own coordinates: where it is at rest. Asked of every vertex, and
+/// Where a point is inside a shape, in the collider's own coordinates: where it is at rest. Asked of every vertex, and
 /// few are inside.
 inline std::optional<Hit> find_hit(const PlaneShape& plane, const Vec3& p) {
   const double height = plane.normal.dot(p - plane.point);
@@ -81,17 +49,17 @@ inline std::optional<Hit> find_hit(const CylinderShape& cylinder, const Vec3& p)
   return Hit{across / distance, side};
 }
 
-inline std::optional<Hit> find_hit(const MeshSolid& solid, const Vec3& p) {
-  return solid.find_hit(p);
+inline std::optional<Hit> find_hit(const MeshCollider& mesh, const Vec3& p) {
+  return mesh.find_hit(p);
 }
 
 /// @throws Error  when a shape, a motion or a friction is impossible; it names which
-std::vector<Obstacle> make_obstacles(std::span<const Collider> colliders);
+std::vector<PreparedCollider> prepare_colliders(std::span<const Collider> colliders);
 
 /// @throws Error  when a motion is impossible
 void check_motion(const std::string& where, const Motion& motion);
 
-/// Whether no point of a box is inside a solid, for certain: most vertices are far from all colliders, and are passed
+/// Whether no point of a box is inside a shape, for certain: most vertices are far from all colliders, and are passed
 /// over many at a time.
 inline bool is_clear(const PlaneShape& plane, const Eigen::AlignedBox3d& box) {
   const Vec3 middle = box.center() - plane.point, half = 0.5 * box.sizes();
@@ -112,8 +80,8 @@ inline bool is_clear(const CylinderShape& cylinder, const Eigen::AlignedBox3d& b
   return is_clear(SphereShape{cylinder.centre, std::hypot(cylinder.radius, cylinder.length / 2)}, box);
 }
 
-inline bool is_clear(const MeshSolid& solid, const Eigen::AlignedBox3d& box) {
-  return !solid.bounds().intersects(box);
+inline bool is_clear(const MeshCollider& mesh, const Eigen::AlignedBox3d& box) {
+  return !mesh.bounds().intersects(box);
 }
 
 }  // namespace selvage

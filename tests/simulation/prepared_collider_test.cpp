@@ -1,4 +1,4 @@
-#include "simulation/colliders/obstacle.h"
+#include "simulation/colliders/prepared_collider.h"
 
 #include "random.h"
 #include "selvage/mesh/simplex_mesh.h"
@@ -11,23 +11,23 @@ namespace selvage {
 namespace {
 
 /// One of each kind; the box makes six planes.
-std::vector<Obstacle> one_of_each_kind() {
+std::vector<PreparedCollider> one_of_each_kind() {
   const Vec3 tilted = Vec3(0.3, -0.2, 1).normalized();
   const IndexedMesh ball = make_ball(0.5, 0.2);
   const TetMesh mesh(static_cast<Index>(ball.positions.size()), ball.tetrahedra);
   std::vector<VertexTuple<3>> faces(mesh.boundary_faces().begin(), mesh.boundary_faces().end());
-  return make_obstacles(std::vector<Collider>{{PlaneShape{{0, 0, -0.3}, tilted}},
-                                              {BoxContainer{{-1, -1, -1}, {1, 1, 1}}},
-                                              {Bowl{{0, 0, 0.2}, tilted, 0.9}},
-                                              {SphereShape{{0.2, 0, 0}, 0.4}},
-                                              {CylinderShape{{0, 0.3, 0}, tilted, 0.3, 0.8}},
-                                              {MeshShape{ball.positions, faces}}});
+  return prepare_colliders(std::vector<Collider>{{PlaneShape{{0, 0, -0.3}, tilted}},
+                                                 {BoxContainer{{-1, -1, -1}, {1, 1, 1}}},
+                                                 {Bowl{{0, 0, 0.2}, tilted, 0.9}},
+                                                 {SphereShape{{0.2, 0, 0}, 0.4}},
+                                                 {CylinderShape{{0, 0.3, 0}, tilted, 0.3, 0.8}},
+                                                 {MeshShape{ball.positions, faces}}});
 }
 
-TEST(Obstacles, AreClearOfNoBoxWithAPointInside) {
-  const std::vector<Obstacle> obstacles = one_of_each_kind();
-  ASSERT_EQ(obstacles.size(), 11u);
-  std::vector<int> clear(obstacles.size(), 0), hit(obstacles.size(), 0);
+TEST(PreparedColliders, AreClearOfNoBoxWithAPointInside) {
+  const std::vector<PreparedCollider> colliders = one_of_each_kind();
+  ASSERT_EQ(colliders.size(), 11u);
+  std::vector<int> clear(colliders.size(), 0), hit(colliders.size(), 0);
   test::Random random(test::seed(7));
   const std::int64_t boxes = test::scaled(20000);
   for (std::int64_t i = 0; i < boxes; ++i) {
@@ -42,21 +42,21 @@ TEST(Obstacles, AreClearOfNoBoxWithAPointInside) {
     for (int k = 0; k < 8; ++k)
       points.push_back(box.min() + Vec3(random.unit() * box.sizes()[0], random.unit() * box.sizes()[1],
                                         random.unit() * box.sizes()[2]));
-    for (std::size_t o = 0; o < obstacles.size(); ++o)
+    for (std::size_t o = 0; o < colliders.size(); ++o)
       std::visit(
-          [&](const auto& solid) {
-            const bool is_free = is_clear(solid, box);
+          [&](const auto& shape) {
+            const bool is_free = is_clear(shape, box);
             clear[o] += is_free;
             for (const Vec3& p : points) {
-              const bool is_inside = find_hit(solid, p).has_value();
+              const bool is_inside = find_hit(shape, p).has_value();
               hit[o] += is_inside;
-              ASSERT_FALSE(is_free && is_inside) << "obstacle " << o << ", point " << p.transpose();
+              ASSERT_FALSE(is_free && is_inside) << "collider " << o << ", point " << p.transpose();
             }
           },
-          obstacles[o].solid);
+          colliders[o].shape);
   }
   // Neither is said of all.
-  for (std::size_t o = 0; o < obstacles.size(); ++o) {
+  for (std::size_t o = 0; o < colliders.size(); ++o) {
     EXPECT_GT(clear[o], 0) << o;
     EXPECT_GT(hit[o], 0) << o;
   }

@@ -1,4 +1,4 @@
-#include "simulation/colliders/obstacle.h"
+#include "simulation/colliders/prepared_collider.h"
 
 #include "selvage/core/error.h"
 
@@ -23,19 +23,19 @@ Vec3 make_unit(const Vec3& direction, const std::string& where, std::string_view
   return direction.normalized();
 }
 
-/// The obstacles of a shape; the walls of a container look inwards.
-using Solids = std::vector<decltype(Obstacle::solid)>;
+/// The shapes that a collider's shape is made of: one, or the six walls of a container, which face inwards.
+using PreparedShapes = std::vector<decltype(PreparedCollider::shape)>;
 
-Solids make_solids(const std::string& where, PlaneShape plane) {
+PreparedShapes prepare_shape(const std::string& where, PlaneShape plane) {
   plane.normal = make_unit(plane.normal, where, "normal");
   demand(plane.point.allFinite(), where, "its point is not finite", "");
   return {plane};
 }
 
-Solids make_solids(const std::string& where, const BoxContainer& box) {
+PreparedShapes prepare_shape(const std::string& where, const BoxContainer& box) {
   demand((box.lower.array() < box.upper.array()).all() && box.lower.allFinite() && box.upper.allFinite(), where,
          "its lower corner is not below its upper one", "give finite corners");
-  Solids walls;
+  PreparedShapes walls;
   for (int axis = 0; axis < 3; ++axis) {
     walls.push_back(PlaneShape{box.lower, Vec3::Unit(axis)});
     walls.push_back(PlaneShape{box.upper, -Vec3::Unit(axis)});
@@ -43,20 +43,20 @@ Solids make_solids(const std::string& where, const BoxContainer& box) {
   return walls;
 }
 
-Solids make_solids(const std::string& where, Bowl bowl) {
+PreparedShapes prepare_shape(const std::string& where, Bowl bowl) {
   demand_length(bowl.radius, where, "radius");
   demand(bowl.centre.allFinite(), where, "its centre is not finite", "");
   bowl.axis = make_unit(bowl.axis, where, "axis");
   return {bowl};
 }
 
-Solids make_solids(const std::string& where, const SphereShape& sphere) {
+PreparedShapes prepare_shape(const std::string& where, const SphereShape& sphere) {
   demand_length(sphere.radius, where, "radius");
   demand(sphere.centre.allFinite(), where, "its centre is not finite", "");
   return {sphere};
 }
 
-Solids make_solids(const std::string& where, CylinderShape cylinder) {
+PreparedShapes prepare_shape(const std::string& where, CylinderShape cylinder) {
   demand_length(cylinder.radius, where, "radius");
   demand_length(cylinder.length, where, "length");
   demand(cylinder.centre.allFinite(), where, "its centre is not finite", "");
@@ -64,24 +64,24 @@ Solids make_solids(const std::string& where, CylinderShape cylinder) {
   return {cylinder};
 }
 
-Solids make_solids(const std::string& where, const MeshShape& shape) {
-  return {MeshSolid(where, shape)};
+PreparedShapes prepare_shape(const std::string& where, const MeshShape& shape) {
+  return {MeshCollider(where, shape)};
 }
 
 }  // namespace
 
-std::vector<Obstacle> make_obstacles(std::span<const Collider> colliders) {
-  std::vector<Obstacle> obstacles;
+std::vector<PreparedCollider> prepare_colliders(std::span<const Collider> colliders) {
+  std::vector<PreparedCollider> prepared;
   for (std::size_t i = 0; i < colliders.size(); ++i) {
     const Collider& collider = colliders[i];
     const std::string where = fmt::format("collider {}", i);
     check_motion(where, collider.motion);
     demand(collider.static_friction >= 0 && collider.dynamic_friction >= 0, where, "its friction is negative",
            "give numbers of at least 0");
-    for (auto& solid : std::visit([&](const auto& shape) { return make_solids(where, shape); }, collider.shape))
-      obstacles.push_back({std::move(solid), collider.motion, {collider.static_friction, collider.dynamic_friction}});
+    for (auto& shape : std::visit([&](const auto& given) { return prepare_shape(where, given); }, collider.shape))
+      prepared.push_back({std::move(shape), collider.motion, {collider.static_friction, collider.dynamic_friction}});
   }
-  return obstacles;
+  return prepared;
 }
 
 void check_motion(const std::string& where, const Motion& motion) {
