@@ -100,31 +100,7 @@ struct BoundaryPathFinder<D>::State {
     from_internal = Scaling(pose.exponent());
   }
 
-  PathInput<D> input() const {
-    return {pose.positions().data(),
-            topology.elements.data(),
-            mesh.boundary_faces().data(),
-            mesh.boundary_owners().data(),
-            mesh.boundary_neighbours().data(),
-            &mesh,
-            pose.faces().nodes(),
-            pose.cones().data(),
-            pose.face_leaves().data(),
-            topology.face_stars.data(),
-            pose.rounded_positions().data(),
-            pose.rounding(),
-            pose.frame(),
-            topology.component_of.data(),
-            pose.component_states().data(),
-            pose.cullable().data(),
-            topology.is_split.data(),
-            topology.hints.data(),
-            pose.inverted_owners().data(),
-            pose.defect_hierarchy().nodes(),
-            pose.defect_places().data(),
-            topology.disagreeing.empty(),
-            options};
-  }
+  PathInput<D> input() const { return pose.path_input(options); }
 
   class Batches;
 

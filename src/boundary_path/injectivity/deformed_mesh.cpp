@@ -354,6 +354,33 @@ void DeformedMesh<D>::find_folds() {
   }
 }
 
+template <int D>
+PathInput<D> DeformedMesh<D>::path_input(const PathOptions& options) const {
+  return {.positions = positions_.data(),
+          .elements = topology_.elements.data(),
+          .boundary_faces = mesh_.boundary_faces().data(),
+          .boundary_owners = mesh_.boundary_owners().data(),
+          .boundary_neighbours = mesh_.boundary_neighbours().data(),
+          .mesh = &mesh_,
+          .face_nodes = faces_.nodes(),
+          .face_cones = cones_.data(),
+          .face_leaves = face_leaves_.data(),
+          .face_stars = topology_.face_stars.data(),
+          .rounded = rounded_.data(),
+          .rounding = rounding_,
+          .frame = frame_,
+          .component_of = topology_.component_of.data(),
+          .component_state = component_states_.data(),
+          .cullable = cullable_.data(),
+          .is_split = topology_.is_split.data(),
+          .hints = topology_.hints.data(),
+          .inverted_owner = inverted_owners_.data(),
+          .defect_nodes = defect_hierarchy_.nodes(),
+          .defects = defect_places_.data(),
+          .is_oriented = topology_.disagreeing.empty(),
+          .options = options};
+}
+
 template class DeformedMesh<2>;
 template class DeformedMesh<3>;
 

@@ -30,6 +30,9 @@ class DeformedMesh {
   /// Whether the hierarchy over the faces is of this pose.
   bool has_faces() const { return has_faces_; }
 
+  /// All that a search for paths reads; valid until the next update.
+  PathInput<D> path_input(const PathOptions& options) const;
+
   std::span<const Vec<D>> positions() const { return positions_; }
   /// positions() are the given ones times 2^-exponent(), so that the largest coordinate is about 1.
   int exponent() const { return exponent_; }

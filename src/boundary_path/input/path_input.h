@@ -84,11 +84,11 @@ struct PathResult {
   PathStatus status = PathStatus::kNoPath;
   Index face = kNone;                   ///< the face on which the candidate was found
   int target_count = 0;                 ///< 1: a vertex, 2: an edge, 3: a triangle
-  VertexTuple<D> target_vertices;       ///< ascending where it is no face
+  VertexTuple<D> target_vertices{};     ///< ascending where it is no face
   std::array<double, D> barycentric{};  ///< with respect to target_vertices
-  Vec<D> offset;                        ///< s - p
+  Vec<D> offset = Vec<D>::Zero();       ///< s - p
   bool has_normal = false;              ///< whether the next is the face_normal() of a triangle
-  Vec<D> normal;
+  Vec<D> normal = Vec<D>::Zero();
 };
 
 /// Tasks that help each other, and room for what is found: one result a task and, unless the pointer is null, one set

@@ -1,9 +1,8 @@
 #pragma once
 
-#include "boundary_path/search/boundary_corner.h"
-#include "boundary_path/search/candidate.h"
+#include "boundary_path/search/feasible_region.h"
+#include "boundary_path/search/path_order.h"
 #include "boundary_path/traversal/tet_traversal.h"
-#include "bvh/traverse.h"
 
 #include <limits>
 
@@ -32,7 +31,12 @@ template <int D>
 class Search {
  public:
   Search(const PathInput<D>& input, const PathTask<D>& task, PathCounters* counters)
-      : input_(input), task_(task), query_(task.query), counters_(counters), candidates_(input, query_.point) {}
+      : input_(input),
+        task_(task),
+        query_(task.query),
+        point_(input, task.query),
+        counters_(counters),
+        candidates_(input, query_.point) {}
 
   /// False when the point does not lie in its element.
   /// @param is_inside  it certainly lies strictly inside
@@ -45,13 +49,11 @@ class Search {
   }
 
   /// Whether a face may be the answer, wherever it lies.
-  bool may_end_at(Index face) const {
-    return input_.face_stars[face].component == component_ && !is_excluded(face) && !input_.inverted_owner[face];
-  }
+  bool may_end_at(Index face) const { return point_.may_end_at(face); }
 
   /// Learns how far p is from the nearest defect of its component, unless that is farther than this: then it is as if
   /// one were there. Without `look` none is nearer.
-  void take_defects(float squared_reach, bool look);
+  void take_defects(float squared_reach, bool look) { point_.find_defects(squared_reach, look); }
   /// A reach that is beyond any likely answer.
   float squared_reach() const;
 
@@ -92,10 +94,9 @@ class Search {
   /// Nothing farther is an answer.
   double squared_bound() const { return std::min(std::min(best_squared_, known_squared_), supposed_squared_); }
   /// Whether faces may be passed over because a neighbour comes closer: see docs/boundary_path.md.
-  bool may_cull() const { return input_.options.cull_infeasible_regions && reject_above_ < safe_distance_; }
-  /// Whether faces that are no candidates, as p lies on them, may prove that others are none: see
-  /// docs/boundary_path.md.
-  bool may_cull_towards_source() const { return is_at_source_; }
+  bool may_cull() const { return input_.options.cull_infeasible_regions && reject_above_ < point_.safe_distance(); }
+  /// See QueryPoint::may_cull_towards_source().
+  bool may_cull_towards_source() const { return point_.may_cull_towards_source(); }
   bool has_answer() const { return best_squared_ < kInfinity; }
   Answer<D> answer() const { return {best_.face, query_.point + Vec<D>(best_.offset)}; }
   const PathQuery<D>& query() const { return query_; }
@@ -118,38 +119,27 @@ class Search {
   void accept(const Candidate<D>& candidate);
   void keep(const Candidate<D>& candidate);
   Candidate<D> settle(Candidate<D> candidate) const;
-  /// Whether the candidate is so far that its path may meet inverted elements.
   bool follows_inverted_rules(const Candidate<D>& candidate) const {
-    return state_ == ComponentState::kInverted && !(std::sqrt(candidate.squared_distance) < defect_distance_);
+    return point_.follows_inverted_rules(candidate.squared_distance);
   }
-  bool is_excluded(Index face) const;
   bool is_new(Index face);
   bool is_known(Index face, unsigned mask) const;
   bool was_dismissed(const VertexTuple<D>& ids) const;
   void dismiss(const Candidate<D>& candidate);
-  Index closer_neighbour(const Candidate<D>& candidate) const;
-  Index smallest_face(const Candidate<D>& candidate) const;
-  bool is_worse(const Candidate<D>& candidate) const;
-  static bool is_zero(const double (&offset)[D]) {
-    for (double x : offset)
-      if (x != 0) return false;
-    return true;
+  Index closer_neighbour(const Candidate<D>& candidate) const {
+    return find_closer_neighbour(input_, point_, candidate);
   }
+  Index smallest_face(const Candidate<D>& candidate) const {
+    return selvage::smallest_face(input_, point_, candidates_, candidate);
+  }
+  bool is_worse(const Candidate<D>& candidate) const;
 
   const PathInput<D>& input_;
   const PathTask<D>& task_;
   const PathQuery<D>& query_;
+  QueryPoint<D> point_;
   PathCounters* counters_;
   CandidateFactory<D> candidates_;
-  bool is_inside_ = false, strictly_inside_ = false;
-  bool is_on_own_ = false;     ///< p may lie on its own element's boundary
-  bool is_at_source_ = false;  ///< p is where the vertex is that it comes from
-  Index component_ = 0;
-  ComponentState state_ = ComponentState::kImmersed;
-  /// No path up to this long can meet a defect: theorems 1 and 2 hold for it. 0 where they never do.
-  double safe_distance_ = 0;
-  double defect_distance_ = 0;  ///< the same, but for p's own position on the boundary
-
   bool is_aiming_ = false;
   Candidate<D> target_;
 
@@ -168,24 +158,7 @@ class Search {
 
 template <int D>
 bool Search<D>::locate(bool is_inside) {
-  is_inside_ = strictly_inside_ = is_inside;
-  if (!is_inside) {
-    std::array<Vec<D>, D + 1> corners;
-    for (int i = 0; i <= D; ++i) corners[i] = input_.positions[input_.elements[query_.element].vertices[i]];
-    const Containment at = locate_in_simplex<D>(corners, query_.point);
-    is_inside_ = at.inside;
-    if (!is_inside_) return false;
-    strictly_inside_ = at.zero_mask == 0;
-  }
-  component_ = input_.component_of[query_.element];
-  state_ = input_.component_state[component_];
-  // Faces that contain p materially are no candidates, which the theorems do not know: rely on them only where p is
-  // known to be off the boundary, or is a vertex that came from elsewhere.
-  const auto& vertices = input_.elements[query_.element].vertices;
-  is_on_own_ = query_.source[0] == kNone ? !strictly_inside_
-                                         : contains(vertices, query_.source[0]) || contains(vertices, query_.source[1]);
-  is_at_source_ = strictly_inside_ && query_.source[0] != kNone && query_.source[1] == kNone &&
-                  query_.point == input_.positions[query_.source[0]];
+  if (!point_.locate(is_inside)) return false;
   for (Index& slot : seen_) slot = kNone;
   return true;
 }
@@ -258,9 +231,11 @@ bool Search<D>::start() {
 /// Whether the candidate's segment may be followed in a TetTraversalPacket, with others.
 template <int D>
 bool Search<D>::may_postpone(const Candidate<D>& candidate) const {
-  if (D == 2 || !input_.is_oriented || !strictly_inside_ || state_ == ComponentState::kInverted) return false;
+  if (D == 2 || !input_.is_oriented || !point_.is_strictly_inside() ||
+      point_.component_state() == ComponentState::kInverted)
+    return false;
   return !is_split(input_, candidate) &&
-         !TetTraversal<D>(input_, query_, strictly_inside_, nullptr).starts_at(candidate);
+         !TetTraversal<D>(input_, query_, point_.is_strictly_inside(), nullptr).starts_at(candidate);
 }
 
 /// Near to far, until some path is found.
@@ -279,20 +254,10 @@ void Search<D>::start_anywhere() {
 
 template <int D>
 PathResult<D> Search<D>::finish() {
-  PathResult<D> result;
-  if (!is_inside_) result.status = PathStatus::kNotInElement;
-  if (best_squared_ == kInfinity) return result;
-  result.status = PathStatus::kFound;
-  result.face = smallest_face(best_);
-  result.target_count = best_.target.count;
-  result.target_vertices = best_.ids;
-  result.barycentric = best_.barycentric;
-  result.has_normal = D == 3 && best_.target.count == 3 && best_.has_normal;
-  for (int i = 0; i < D; ++i) {
-    result.offset[i] = best_.offset[i];
-    if (result.has_normal) result.normal[i] = best_.direction[i];
-  }
-  return result;
+  if (best_squared_ < kInfinity) return describe_path(best_, smallest_face(best_));
+  PathResult<D> none;
+  if (!point_.is_inside()) none.status = PathStatus::kNotInElement;
+  return none;
 }
 
 /// To a vertex of the face that is near in the mesh.
@@ -310,22 +275,6 @@ template <int D>
 float Search<D>::squared_reach() const {
   constexpr double kFarBeyond = 8;
   return round_up(kFarBeyond * kFarBeyond * squared_distance_to_hint());
-}
-
-/// The rules for inverted elements look along the line up to twice a candidate's distance beyond it: three times that
-/// distance from p.
-template <int D>
-void Search<D>::take_defects(float squared_reach, bool look) {
-  float nearest = squared_reach;
-  if (look) {
-    const Box box = input_.frame.around_point(query_.point);
-    visit_nearest(input_.defect_nodes, box, nearest, [&](Index defect, float squared_distance) {
-      if (input_.defects[defect].component == component_ && squared_distance < nearest) nearest = squared_distance;
-      return nearest;
-    });
-  }
-  defect_distance_ = std::sqrt(double(nearest)) * (state_ == ComponentState::kInverted ? 0.333 : 1.0);
-  safe_distance_ = is_on_own_ ? 0 : defect_distance_;
 }
 
 }  // namespace SELVAGE_ISA

@@ -7,14 +7,6 @@
 namespace selvage {
 inline namespace SELVAGE_ISA {
 
-/// Boundary faces that have all the vertices on which p lies.
-template <int D>
-bool Search<D>::is_excluded(Index face) const {
-  if (query_.source[0] == kNone) return false;
-  const auto& ids = input_.face_stars[face].vertices;
-  return contains(ids, query_.source[0]) && (query_.source[1] == kNone || contains(ids, query_.source[1]));
-}
-
 template <int D>
 bool Search<D>::is_new(Index face) {
   Index& slot = seen_[face % kRemembered];
@@ -87,54 +79,11 @@ void Search<D>::dismiss(const Candidate<D>& candidate) {
     dismissed_[dismissed_count_++ % kDismissed] = candidate.ids;
 }
 
-/// A face next to the candidate's vertex or edge that comes closer to p: then the candidate is not the answer (SPB
-/// section 3.6). kNone when there is none, when rounding leaves a doubt, or when the argument does not hold there.
-template <int D>
-Index Search<D>::closer_neighbour(const Candidate<D>& candidate) const {
-  if (candidate.target.count == D) return kNone;
-  if (!(std::sqrt(candidate.squared_distance) < safe_distance_)) return kNone;
-  const auto comes_closer = [&](Index from, Index to) {
-    const Vec<D>&a = input_.positions[from], &b = input_.positions[to];
-    double slope = 0, bound = 0;
-    for (int i = 0; i < D; ++i) {
-      const double step = b[i] - a[i];
-      slope += candidate.offset[i] * step;
-      bound += (8 * kUnitRoundoff * std::abs(candidate.offset[i]) + candidate.offset_error) * std::abs(step);
-    }
-    return slope < -2 * bound - kTrustAbove;
-  };
-  const FaceStar<D>& star = input_.face_stars[candidate.face];
-  const auto proves_nothing = [&](Index face) { return !may_cull_towards_source() && is_excluded(face); };
-  const auto neighbour = [&](int k, Index from) {
-    const Index other = input_.boundary_neighbours[candidate.face][k];
-    return proves_nothing(other) || !comes_closer(from, star.apexes[k]) ? kNone : other;
-  };
-  if (candidate.target.count == 2) {
-    const Index a = candidate.ids[0], b = candidate.ids[1];
-    if (!input_.cullable[a] && !input_.cullable[b]) return kNone;
-    int k = 0;
-    while (star.vertices[k] == a || star.vertices[k] == b) ++k;
-    return neighbour(k, a);
-  }
-  const Index v = candidate.ids[0];
-  if (!input_.cullable[v]) return kNone;
-  for (int k = 0; k < D; ++k) {
-    const Index closer = star.vertices[k] == v ? kNone : neighbour(k, v);
-    if (closer != kNone) return closer;
-  }
-  for (Index face : input_.mesh->vertex_boundary_faces(v)) {
-    if (proves_nothing(face)) continue;
-    for (Index w : input_.face_stars[face].vertices)
-      if (w != v && comes_closer(v, w)) return face;
-  }
-  return kNone;
-}
-
 /// p itself lies on the face. It is a candidate only for a penetrating vertex or edge that touches it.
 template <int D>
 void Search<D>::test_touching(const Candidate<D>& candidate) {
   if (query_.source[0] == kNone) return;
-  if (TetTraversal<D>(input_, query_, strictly_inside_, counters_).is_on(candidate.face)) accept(candidate);
+  if (TetTraversal<D>(input_, query_, point_.is_strictly_inside(), counters_).is_on(candidate.face)) accept(candidate);
 }
 
 template <int D>
@@ -143,17 +92,19 @@ void Search<D>::test(const Candidate<D>& candidate) {
     target_ = candidate;
     return;
   }
-  const TetTraversal<D> walk(input_, query_, strictly_inside_, counters_);
+  const TetTraversal<D> walk(input_, query_, point_.is_strictly_inside(), counters_);
   const double distance = std::sqrt(candidate.squared_distance);
   TraversalResult result;
   if (follows_inverted_rules(candidate))
     result.valid = walk.follow_backwards(candidate);
   else
-    result = walk.follow(candidate, state_ == ComponentState::kImmersed && squared_bound() == kInfinity);
+    result =
+        walk.follow(candidate, point_.component_state() == ComponentState::kImmersed && squared_bound() == kInfinity);
   if (result.valid) return accept(candidate);
   dismiss(candidate);
   const double length = distance * (result.left_at + kLeftAtError) * kBoundSlack;
-  if (result.left_through == kNone || is_excluded(result.left_through) || !(length < safe_distance_)) return;
+  if (result.left_through == kNone || point_.is_excluded(result.left_through) || !(length < point_.safe_distance()))
+    return;
   left_through_ = result.left_through;
   known_squared_ = std::min(known_squared_, length * length);
   reject_above_ = std::sqrt(squared_bound()) * kBoundSlack;
@@ -180,28 +131,14 @@ Candidate<D> Search<D>::settle(Candidate<D> candidate) const {
   constexpr int kMaxSteps = 16;
   for (int step = 0; step < kMaxSteps; ++step) {
     const Index closer = closer_neighbour(candidate);
-    if (closer == kNone || is_excluded(closer) || is_zero(candidate.offset)) break;
+    if (closer == kNone || point_.is_excluded(closer) || is_zero(candidate.offset)) break;
     const Candidate<D> next = candidates_.make(closer, candidates_.estimate(closer));
     const double longer = std::max(next.squared_distance, candidate.squared_distance);
     if (longer > std::min(next.squared_distance, candidate.squared_distance) * kBoundSlack) break;
-    if (!TetTraversal<D>(input_, query_, strictly_inside_, nullptr).follow(next, false).valid) break;
+    if (!TetTraversal<D>(input_, query_, point_.is_strictly_inside(), nullptr).follow(next, false).valid) break;
     candidate = next;
   }
   return candidate;
-}
-
-/// The smallest boundary face at the same corner of the material that has the same closest point: none that is left out
-/// or that comes closer behind the corner.
-template <int D>
-Index Search<D>::smallest_face(const Candidate<D>& candidate) const {
-  Index smallest = candidate.face;
-  if (candidate.target.count == D || follows_inverted_rules(candidate)) return smallest;  // a path of its own
-  visit_feature<D>(input_.boundary_faces, input_.boundary_neighbours, candidate.face, candidate.ids,
-                   candidate.target.count, [&](Index face) {
-                     if (face >= smallest || is_excluded(face) || input_.inverted_owner[face]) return;
-                     if (candidates_.make(face, candidates_.estimate(face)).ids == candidate.ids) smallest = face;
-                   });
-  return smallest;
 }
 
 }  // namespace SELVAGE_ISA
