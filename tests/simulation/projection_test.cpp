@@ -14,7 +14,7 @@ struct Scratch {
   std::vector<Vec3> start;
   std::vector<double> reaches = std::vector<double>(4, 1);
   Contact contact;
-  Grip grip;
+  FrictionState grip;
 
   Scratch(const std::array<double, 4>& masses, const Vec3& barycentric, double depth) {
     const std::array<Vec3, 3> corners{Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}};

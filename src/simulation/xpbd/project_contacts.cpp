@@ -90,7 +90,8 @@ Vec3 offset_of_rows(const Contact& contact, std::span<VertexRow> vertices) {
 }
 
 void project_contact(const Contact& contact, const Step& step, std::span<const double> reaches,
-                     const Friction& friction, Grip& grip, std::span<Vec3> sent, std::span<VertexRow> vertices) {
+                     const Friction& friction, FrictionState& grip, std::span<Vec3> sent,
+                     std::span<VertexRow> vertices) {
   const Vec3 offset = offset_of_rows(contact, vertices);
   double depth = -contact.normal.dot(offset);
   if (!(depth > 0)) return;
@@ -171,7 +172,7 @@ std::vector<double> reaches_of(const Model& model) {
 }
 
 void project_contacts(std::span<const Contact> contacts, const Step& step, std::span<const double> reaches,
-                      const Friction& friction, std::span<Grip> grips, std::span<Vec3> sent,
+                      const Friction& friction, std::span<FrictionState> grips, std::span<Vec3> sent,
                       std::span<VertexRow> vertices) {
   for (std::size_t i = 0; i < contacts.size(); ++i)
     project_contact(contacts[i], step, reaches, friction, grips[i], sent, vertices);

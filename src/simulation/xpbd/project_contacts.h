@@ -35,7 +35,7 @@ struct Step {
 /// @param grips    (n_contacts) of this step; updated
 /// @param sent     (n_vertices) how far contacts have sent vertices out of bodies in this step [m]; updated
 void project_contacts(std::span<const Contact> contacts, const Step& step, std::span<const double> reaches,
-                      const Friction& friction, std::span<Grip> grips, std::span<Vec3> sent,
+                      const Friction& friction, std::span<FrictionState> grips, std::span<Vec3> sent,
                       std::span<VertexRow> vertices);
 
 /// For each vertex a part of its shortest edge [m]; 0 without an element.
@@ -53,13 +53,13 @@ void push_apart(std::span<const Contact> contacts, const Push& push, std::span<V
 /// What a collider has done to a vertex in the step in which it last did something. Hardly any vertex meets any, so
 /// that nothing goes through all of these to clear them.
 struct ColliderGrip {
-  Grip grip;
+  FrictionState grip;
   Vec3 way_out = Vec3::Zero();  ///< unit normal there, where the vertex started the step inside
   double buried = 0;            ///< how deep it did [m]
   std::int64_t step = -1;       ///< see project_colliders()
 
   /// The part of what it was pushed that only undoes where it started.
-  Vec3 lift() const { return std::min(buried, grip.pressed) * way_out; }
+  Vec3 lift() const { return std::min(buried, grip.normal_sum) * way_out; }
 };
 
 /// What colliders did, by vertices and colliders.

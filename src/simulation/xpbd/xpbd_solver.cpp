@@ -72,7 +72,7 @@ struct XpbdSolver::Parts {
   std::vector<Vec3> proposed;  ///< positions after the material solve
   std::vector<Contact> contacts;
   std::vector<double> reaches;               ///< see project_contacts()
-  std::vector<Grip> contact_grips;           ///< (n_contacts)
+  std::vector<FrictionState> contact_grips;  ///< (n_contacts)
   std::vector<Vec3> sent;                    ///< (n_vertices) see project_contacts()
   std::vector<ColliderGrip> collider_grips;  ///< (n_vertices x n_colliders)
   ColliderContacts collider_contacts;        ///< of the step
