@@ -138,6 +138,12 @@ double Cursor::real(std::string_view what) {
   return value;
 }
 
+std::int64_t Cursor::count(std::string_view what, std::size_t bytes_each) {
+  const std::int64_t value = integer(fmt::format("the number of {}", what));
+  check_count(value, what, bytes_each);
+  return value;
+}
+
 void Cursor::check_count(std::int64_t value, std::string_view what, std::size_t bytes_each) const {
   if (value < 0) fail(fmt::format("the number of {} is negative: {}", what, value), kMend);
   const std::size_t wanted = static_cast<std::size_t>(value);

@@ -106,11 +106,7 @@ class Cursor {
   }
 
   /// Number of things that follow, each of at least `bytes_each` bytes; fails when the file cannot hold them.
-  std::int64_t count(std::string_view what, std::size_t bytes_each) {
-    const std::int64_t value = integer("the number of " + std::string(what));
-    check_count(value, what, bytes_each);
-    return value;
-  }
+  std::int64_t count(std::string_view what, std::size_t bytes_each);
   void check_count(std::int64_t value, std::string_view what, std::size_t bytes_each) const;
 
   /// `size` bytes as they are.

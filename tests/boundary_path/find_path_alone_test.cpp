@@ -20,21 +20,21 @@ namespace selvage {
 namespace {
 
 template <int D>
-using Kernel = void (*)(const PathInput<D>&, PathBatches<D>&);
+using PathKernel = void (*)(const PathInput<D>&, PathBatches<D>&);
 
 template <int D>
-struct Kernels {
+struct PathKernels {
   Isa isa;
-  Kernel<D> packets, alone;
+  PathKernel<D> packets, alone;
 };
 
 // Of those that this machine runs.
 template <int D>
-std::vector<Kernels<D>> kernels() {
-  std::vector<Kernels<D>> all = {{Isa::baseline, &baseline::search_paths, &baseline::search_paths_alone},
+std::vector<PathKernels<D>> path_kernels() {
+  std::vector<PathKernels<D>> all = {{Isa::baseline, &baseline::search_paths, &baseline::search_paths_alone},
                                  {Isa::avx2, &avx2::search_paths, &avx2::search_paths_alone},
                                  {Isa::avx512, &avx512::search_paths, &avx512::search_paths_alone}};
-  std::erase_if(all, [](const Kernels<D>& k) { return k.isa > active_isa(); });
+  std::erase_if(all, [](const PathKernels<D>& k) { return k.isa > active_isa(); });
   return all;
 }
 
@@ -57,7 +57,7 @@ class Batches final : public PathBatches<D> {
 };
 
 template <int D>
-std::vector<PathResult<D>> run(Kernel<D> kernel, const PathInput<D>& input, std::span<const PathTask<D>> tasks) {
+std::vector<PathResult<D>> run(PathKernel<D> kernel, const PathInput<D>& input, std::span<const PathTask<D>> tasks) {
   std::vector<PathResult<D>> results(tasks.size());
   Batches<D> batches(tasks, results.data());
   kernel(input, batches);
@@ -87,7 +87,7 @@ template <int D>
 void expect_equal(const PathInput<D>& input, std::span<const PathTask<D>> tasks, const std::string& name,
                   Tally& tally) {
   std::vector<PathResult<D>> first;
-  for (const auto& [isa, packets, alone] : kernels<D>()) {
+  for (const auto& [isa, packets, alone] : path_kernels<D>()) {
     const auto right = run<D>(alone, input, tasks), got = run<D>(packets, input, tasks);
     if (first.empty()) first = right;
     for (std::size_t i = 0; i < tasks.size(); ++i) {
@@ -105,9 +105,9 @@ void expect_equal(const PathInput<D>& input, std::span<const PathTask<D>> tasks,
 
 // A mesh in its positions, and all that a search reads of it.
 template <int D>
-class Material {
+class SearchedMesh {
  public:
-  Material(const std::vector<Vec<D>>& positions, const std::vector<VertexTuple<D + 1>>& elements)
+  SearchedMesh(const std::vector<Vec<D>>& positions, const std::vector<VertexTuple<D + 1>>& elements)
       : mesh_(static_cast<Index>(positions.size()), elements), topology_(mesh_), deformed_(mesh_, topology_) {
     deformed_.rebuild(positions);
   }
@@ -127,7 +127,7 @@ class Material {
 
 // Every kind of query, first as they come, then each from a face taken at random, then without hints and culling.
 template <int D>
-void compare(const Material<D>& material, std::span<const PathQuery<D>> queries, const std::string& name,
+void compare(const SearchedMesh<D>& material, std::span<const PathQuery<D>> queries, const std::string& name,
              Tally& tally) {
   test::Random random(11);
   std::vector<PathTask<D>> tasks, warm;
@@ -144,18 +144,20 @@ void compare(const Material<D>& material, std::span<const PathQuery<D>> queries,
 template <int D>
 void compare_family(std::size_t number) {
   const families::Subject<D> subject(families::all_families<D>()[number]);
-  const Material<D> material(subject.judge.positions(), subject.family.mesh.elements);
+  const SearchedMesh<D> material(subject.judge.positions(), subject.family.mesh.elements);
   const auto queries = families::to_library<D>(subject.maker.make_many(test::scaled(150) + 20, test::seed(number)));
   Tally tally;
   compare<D>(material, queries, subject.family.name, tally);
   const auto& signs = subject.judge.orientations();
-  if (std::count(signs.begin(), signs.end(), 1) > 0) EXPECT_GT(tally.found, tally.compared / 20);
+  if (std::count(signs.begin(), signs.end(), 1) > 0) {
+    EXPECT_GT(tally.found, tally.compared / 20);
+  }
 }
 
 // Boundary vertices in the elements that they penetrate: vertex-element DCD.
 void compare_penetrating(const std::vector<Vec3>& positions, const std::vector<VertexTuple<4>>& elements,
                          const std::string& name, Tally& tally) {
-  const Material<3> material(positions, elements);
+  const SearchedMesh<3> material(positions, elements);
   const BoundaryPathFinder<3> finder(material.mesh(), positions);
   const std::vector<PathQuery<3>> queries = finder.find_penetrating_vertices();
   compare<3>(material, queries, name, tally);
