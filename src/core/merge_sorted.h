@@ -16,14 +16,14 @@ namespace selvage {
 /// @param first, second  members of an item that are its numbers
 template <typename Item, typename Number>
 std::vector<Item> merge_sorted(std::span<const std::vector<Item>> lists, Number first, Number second) {
-  constexpr std::size_t kFew = 256;
+  constexpr std::size_t kMinParallel = 256;
   constexpr int kMaxBits = 12;
   std::vector<Item> items;
   std::size_t count = 0;
   for (const auto& list : lists) count += list.size();
   items.reserve(count);
   for (const auto& list : lists) items.insert(items.end(), list.begin(), list.end());
-  if (count < kFew) {
+  if (count < kMinParallel) {
     std::sort(items.begin(), items.end());
     return items;
   }

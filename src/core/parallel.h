@@ -22,7 +22,7 @@ inline constexpr std::int64_t kGrain = 4096;
 namespace detail {
 
 /// True in builds for the thread sanitizer. Debian's oneTBB is built without it, so that the sanitizer sees no order
-/// between tasks and cries wolf everywhere; there plain threads stand in, and what our own code races on is found.
+/// between tasks and reports races that are none; plain threads stand in there, and races of our own code are found.
 #ifdef __SANITIZE_THREAD__
 inline constexpr bool kPlainThreads = true;
 #else

@@ -15,7 +15,7 @@ namespace selvage {
 namespace detail {
 
 /// Threads that go through the same phases together. Each has a share of every phase, which it takes from the front;
-/// who has done his own takes from the backs of others.
+/// a thread whose share is done takes from the backs of the others.
 class PhaseCrew {
  public:
   PhaseCrew(std::span<const Index> phase_first, int shares) : phase_first_(phase_first), taken_(shares) {}

@@ -16,9 +16,9 @@ namespace selvage {
 /// @param digit  `std::uint32_t digit(const Item&)`, below `digit_count`
 template <typename Item, typename Digit>
 void sort_by_digit(const std::vector<Item>& from, std::vector<Item>& to, std::uint32_t digit_count, Digit&& digit) {
-  constexpr std::int64_t kFewest = 1 << 15, kMaxChunks = 16;
+  constexpr std::int64_t kMinChunk = 1 << 15, kMaxChunks = 16;
   const std::int64_t count = std::ssize(from);
-  const std::int64_t chunks = std::clamp<std::int64_t>(count / kFewest, 1, kMaxChunks);
+  const std::int64_t chunks = std::clamp<std::int64_t>(count / kMinChunk, 1, kMaxChunks);
   const auto begin = [&](std::int64_t chunk) { return count * chunk / chunks; };
   // Per chunk how many items have each digit, then where the next one goes.
   std::vector<std::int64_t> places(chunks * digit_count);

@@ -13,7 +13,7 @@
 
 namespace selvage::format {
 
-/// Bytes of a value, turned around: big endian to little endian and back.
+/// A value with its bytes in reverse order: big endian to little endian and back.
 template <typename T>
 T swap_bytes(T value) {
   std::array<std::byte, sizeof(T)> bytes;
@@ -31,8 +31,8 @@ constexpr std::size_t size_of(Scalar type) {
   return kSizes[static_cast<int>(type)];
 }
 
-/// Walks through a mesh file in memory, text and binary, and never past its end; every error it raises names the file
-/// and the line (text) or the byte offset (binary) of what was read last.
+/// Reads a mesh file in memory from its start, text or binary, and never past its end. Every error names the file, and
+/// the line (text) or the byte offset (binary) of what was read last.
 ///
 /// Text: white space separates tokens; from the comment character to the end of the line nothing is read. While the
 /// cursor is bound to lines, tokens and numbers end with the line, and next_line() goes on.

@@ -61,8 +61,8 @@ void ElementCollector::add_polygon(std::span<const Index> polygon) {
 
 void ElementCollector::add_strip(std::span<const Index> strip) {
   for (std::size_t i = 2; i < strip.size(); ++i) {
-    const bool turned = i % 2 == 1;
-    add_triangle(strip[i - (turned ? 1 : 2)], strip[i - (turned ? 2 : 1)], strip[i]);
+    const bool reversed = i % 2 == 1;
+    add_triangle(strip[i - (reversed ? 1 : 2)], strip[i - (reversed ? 2 : 1)], strip[i]);
   }
 }
 

@@ -80,7 +80,7 @@ class ElementCollector {
   /// Splits a polygon into a fan around its first vertex.
   void add_polygon(std::span<const Index> polygon);
 
-  /// Triangles of three consecutive vertices each, every other turned around.
+  /// Triangles of three consecutive vertices each, every second one with its orientation reversed.
   void add_strip(std::span<const Index> strip);
 
   const Cursor& cursor() const { return cursor_; }

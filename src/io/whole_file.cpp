@@ -84,14 +84,14 @@ std::string read_whole_file(const fs::path& path) {
   const auto size = fs::file_size(path, code);
   std::string bytes;
   // One byte more than the file has, so that its end is seen at once; pipes, which have no size, grow.
-  constexpr std::size_t kLeast = 1 << 16;
+  constexpr std::size_t kMinRoom = 1 << 16;
   std::size_t filled = 0;
-  std::size_t room = code ? kLeast : static_cast<std::size_t>(size) + 1;
+  std::size_t room = code ? kMinRoom : static_cast<std::size_t>(size) + 1;
   while (true) {
     bytes.resize(filled + room);
     filled += std::fread(bytes.data() + filled, 1, room, file.get());
     if (filled < bytes.size()) break;
-    room = std::max(kLeast, filled / 2);
+    room = std::max(kMinRoom, filled / 2);
   }
   if (std::ferror(file.get())) fail_to_read(path, errno);
   bytes.resize(filled);

@@ -123,22 +123,22 @@ void move_by_name(IndexedMesh& mesh, std::string_view name, const PoseOptions& o
 }
 
 /// Elements that are positive with the vertices `before`, and with `after` no more: how many, and the first.
-struct TurnedElements {
+struct InvertedElements {
   Index count = 0, first = kNone;
 };
 
-TurnedElements find_inverted_vertices(std::span<const VertexTuple<4>> elements, std::span<const Vec3> before,
-                                      std::span<const Vec3> after) {
-  TurnedElements turned;
+InvertedElements find_inverted_vertices(std::span<const VertexTuple<4>> elements, std::span<const Vec3> before,
+                                        std::span<const Vec3> after) {
+  InvertedElements inverted;
   for (std::size_t e = 0; e < elements.size(); ++e) {
     const auto is_positive = [&](std::span<const Vec3> p) {
       const VertexTuple<4>& v = elements[e];
       return orient3d(p[v[0]], p[v[1]], p[v[2]], p[v[3]]) > 0;
     };
     if (is_positive(after) || !is_positive(before)) continue;
-    if (turned.count++ == 0) turned.first = static_cast<Index>(e);
+    if (inverted.count++ == 0) inverted.first = static_cast<Index>(e);
   }
-  return turned;
+  return inverted;
 }
 
 }  // namespace
@@ -148,13 +148,13 @@ void apply_pose(IndexedMesh& mesh, std::string_view name, const PoseOptions& opt
   const std::size_t element_count = mesh.tetrahedra.size();
   move_by_name(mesh, name, options);
   // The maps keep the orientation of space; an element that is large against a bend can still turn over.
-  const TurnedElements turned =
+  const InvertedElements inverted =
       find_inverted_vertices(std::span(mesh.tetrahedra).first(element_count), before, mesh.positions);
-  if (turned.count == 0) return;
+  if (inverted.count == 0) return;
   mesh.positions = std::move(before);
   throw Error("pose",
               fmt::format("'{}' would turn {} of {} elements inside out, the first of them element {}", name,
-                          turned.count, element_count, turned.first),
+                          inverted.count, element_count, inverted.first),
               "turn or bend the mesh less, or give it smaller elements");
 }
 

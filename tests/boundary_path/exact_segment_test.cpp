@@ -64,9 +64,7 @@ void compare_with_rationals(double unit) {
     ASSERT_EQ(exact.touches(face), segment) << i;
     ASSERT_EQ(exact.touches_within_reach(face), reach) << i;
   }
-  if (count > 10'000) {
-    for (const auto seen : {in_segment, in_reach, on_line}) EXPECT_GT(seen, count / 400);
-  }
+  for (const auto seen : {in_segment, in_reach, on_line}) EXPECT_GT(seen, test::quota(count, 1.0 / 400));
 }
 
 TEST(ExactSegment, MeetsFacesAsRationalsDoInThePlane) {

@@ -14,6 +14,7 @@
 namespace selvage {
 namespace {
 
+using test::quota;
 using test::RandomSource;
 using test::scaled;
 
@@ -87,7 +88,7 @@ std::optional<std::vector<RootFacts>> facts_about_roots(const std::array<std::in
 template <int Degree>
 void compare_with_real_roots(std::uint64_t seed) {
   RandomSource random(seed);
-  const std::int64_t count = scaled(6'000);
+  const std::int64_t count = scaled(6'000, 300);
   std::int64_t roots = 0, signs = 0, missed_roots = 0, missed_signs = 0;
   for (std::int64_t n = 0; n < count; ++n) {
     const Numbers<Degree> numbers = random_numbers(random, std::integral_constant<int, Degree>());
@@ -116,9 +117,7 @@ void compare_with_real_roots(std::uint64_t seed) {
   }
   EXPECT_LE(missed_roots, count / 10);
   EXPECT_LE(missed_signs, signs / 1000);
-  if (count >= 300) {
-    EXPECT_GT(roots, count / 4);
-  }
+  EXPECT_GT(roots, quota(count, 1.0 / 4));
 }
 
 TEST(FixedRoot, EqualsTheRealRootOfLines) {

@@ -12,6 +12,7 @@ namespace selvage {
 namespace {
 
 using test::LatticePoint;
+using test::quota;
 using test::RandomSource;
 using test::scaled;
 
@@ -62,12 +63,10 @@ void locate_on_lattice(std::uint64_t seed, std::int64_t count, int low_exponent,
     flat += test::lattice_orientation<D>(lattice) == 0;
   }
   EXPECT_EQ(wrong, 0) << "of " << count;
-  if (count > 10'000) {
-    EXPECT_GT(inside, count / 2);
-    EXPECT_LT(inside, count);
-    EXPECT_GT(on_feature, count / 4);
-    EXPECT_GT(flat, count / 1000);
-  }
+  EXPECT_GT(inside, quota(count, 1.0 / 2));
+  EXPECT_LT(inside, count);
+  EXPECT_GT(on_feature, quota(count, 1.0 / 4));
+  EXPECT_GT(flat, quota(count, 1.0 / 1000));
 }
 
 TEST(LocateInSimplex, TrianglesEqualIntegersOnLattice) {
@@ -109,10 +108,8 @@ void locate_by_rationals(std::uint64_t seed, std::int64_t count) {
     ASSERT_EQ(found.zero_mask, expected.zero_mask) << "input " << n;
     inside += expected.inside;
   }
-  if (count > 1000) {
-    EXPECT_GT(inside, count / 20);
-    EXPECT_LT(inside, count * 19 / 20);
-  }
+  EXPECT_GT(inside, quota(count, 1.0 / 20));
+  EXPECT_GT(count - inside, quota(count, 1.0 / 20));
 }
 
 TEST(LocateInSimplex, TrianglesEqualRationals) {

@@ -13,6 +13,7 @@ namespace selvage {
 namespace {
 
 using test::LatticePoint;
+using test::quota;
 using test::RandomSource;
 using test::scaled;
 
@@ -60,10 +61,8 @@ void compare_with_lattice(std::uint64_t seed, std::int64_t count, int low_expone
     flat += expected == 0;
   }
   EXPECT_EQ(wrong, 0) << "of " << count;
-  if (count > 1000) {
-    EXPECT_GT(flat, count / 4) << "the inputs must be nearly degenerate";
-    EXPECT_LT(flat, count * 3 / 4);
-  }
+  EXPECT_GT(flat, quota(count, 1.0 / 4)) << "the inputs must be nearly degenerate";
+  EXPECT_GT(count - flat, quota(count, 1.0 / 4));
 }
 
 TEST(Predicates, Orient2dEqualsIntegersOnNearlyFlatLattice) {
@@ -146,9 +145,7 @@ void compare_with_rationals(std::uint64_t seed, std::int64_t count) {
       ASSERT_EQ(by_expansions(simplex), expected);
     }
   }
-  if (count > 1000) {
-    for (std::int64_t seen : by_sign) EXPECT_GT(seen, count / 50);
-  }
+  for (std::int64_t seen : by_sign) EXPECT_GT(seen, quota(count, 1.0 / 50));
 }
 
 TEST(Predicates, Orient2dEqualsRationalsOnAllKindsOfDoubles) {
@@ -171,9 +168,7 @@ void compare_stages(std::uint64_t seed, std::int64_t count) {
     undecided_by_filter += expected == 0;
   }
   EXPECT_EQ(differences, 0);
-  if (count > 1000) {
-    EXPECT_GT(undecided_by_filter, count / 100);
-  }
+  EXPECT_GT(undecided_by_filter, quota(count, 1.0 / 100));
 }
 
 TEST(Predicates, Orient2dStagesAgree) {

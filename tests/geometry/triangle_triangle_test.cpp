@@ -14,6 +14,7 @@ namespace selvage {
 namespace {
 
 using test::ExactTriangle;
+using test::quota;
 using test::RandomSource;
 using test::scaled;
 
@@ -74,10 +75,7 @@ void compare_contacts_on_lattice(std::uint64_t seed, std::int64_t count, int low
     wrong += triangles_meet(a, b) != (expected != kDisjoint) || triangles_meet(b, a) != (expected != kDisjoint);
   }
   EXPECT_EQ(wrong, 0) << "of " << count;
-  for (std::int64_t number : seen)
-    if (count > 10'000) {
-      EXPECT_GT(number, count / 50) << "every contact must be met often";
-    }
+  for (std::int64_t number : seen) EXPECT_GT(number, quota(count, 1.0 / 50)) << "every contact must be met often";
 }
 
 TEST(TriangleContact, EqualsTheDefinitionOnCoarseLattices) {
@@ -145,10 +143,7 @@ void compare_doubles(const std::vector<int>& kinds, std::uint64_t seed, std::int
     ASSERT_EQ(classify_contact(a, b), expected) << "kind " << kind << ", input " << n;
     ASSERT_EQ(triangles_meet(b, a), expected != kDisjoint) << "kind " << kind << ", input " << n;
   }
-  for (int contact : {0, 2, 3})
-    if (count > 10'000) {
-      EXPECT_GT(seen[contact], count / 100);
-    }
+  for (int contact : {0, 2, 3}) EXPECT_GT(seen[contact], quota(count, 1.0 / 100));
 }
 
 TEST(TriangleContact, EqualsTheDefinitionOnNearlyDegenerateDoubles) {
@@ -206,9 +201,7 @@ TEST(MeetBeyondVertex, EqualsTheDefinition) {
     if (expected) wrong += classify_contact(a, b) == kDisjoint;
   }
   EXPECT_EQ(wrong, 0);
-  if (count > 10'000) {
-    EXPECT_GT(met, count / 10);
-  }
+  EXPECT_GT(met, quota(count, 1.0 / 10));
 }
 
 TEST(MeetBeyondVertex, EqualsTheDefinitionOnDoubles) {
@@ -224,9 +217,7 @@ TEST(MeetBeyondVertex, EqualsTheDefinitionOnDoubles) {
     met += expected;
     ASSERT_EQ(meet_beyond_vertex({points[0], points[1], points[2]}, {points[3], points[4], points[5]}), expected) << n;
   }
-  if (count > 10'000) {
-    EXPECT_GT(met, count / 20);
-  }
+  EXPECT_GT(met, quota(count, 1.0 / 20));
 }
 
 TEST(MeetBeyondEdge, EqualsTheDefinition) {
@@ -245,9 +236,7 @@ TEST(MeetBeyondEdge, EqualsTheDefinition) {
     wrong += meet_beyond_edge(a, b) != expected;
   }
   EXPECT_EQ(wrong, 0);
-  if (count > 10'000) {
-    EXPECT_GT(met, count / 20);
-  }
+  EXPECT_GT(met, quota(count, 1.0 / 20));
 }
 
 TEST(MeetBeyondEdge, EqualsTheDefinitionOnDoubles) {
@@ -342,10 +331,8 @@ TEST(IntersectionSegment, EqualsTheDefinition) {
     }
     ++(is_point ? points : segments);
   }
-  if (count > 1000) {
-    EXPECT_GT(points, count / 50);
-    EXPECT_GT(segments, count / 20);
-  }
+  EXPECT_GT(points, quota(count, 1.0 / 50));
+  EXPECT_GT(segments, quota(count, 1.0 / 20));
 }
 
 TEST(IntersectionSegment, AtAnyMagnitude) {

@@ -57,9 +57,7 @@ void compare_with_places(const Shape& shape, const char* name) {
       ++ending;
     }
   }
-  if (ways >= 300) {
-    EXPECT_GT(std::min({through, past, ending}), 10) << name;
-  }
+  EXPECT_GT(std::min({through, past, ending}), test::quota(ways, 0.1)) << name;
 }
 
 TEST(Passage, IsThatOfManyPlacesTried) {
