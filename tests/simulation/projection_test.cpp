@@ -12,9 +12,9 @@ namespace {
 struct Scratch {
   std::vector<VertexRow> rows;
   std::vector<Vec3> start;
-  std::vector<double> reaches = std::vector<double>(4, 1);
+  std::vector<double> max_corrections = std::vector<double>(4, 1);
   Contact contact;
-  FrictionState grip;
+  FrictionState friction_state;
 
   Scratch(const std::array<double, 4>& masses, const Vec3& barycentric, double depth) {
     const std::array<Vec3, 3> corners{Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}};
@@ -38,8 +38,9 @@ struct Scratch {
   }
   void project(Friction friction = {0, 0}) {
     const std::vector<Vec3> velocities(start.size(), Vec3::Zero());
-    std::vector<Vec3> sent = velocities;
-    project_contacts({&contact, 1}, {0, 0, 1, start, velocities}, reaches, friction, {&grip, 1}, sent, rows);
+    std::vector<Vec3> ejected = velocities;
+    project_contacts({&contact, 1}, {0, 0, 1, start, velocities}, max_corrections, friction, {&friction_state, 1},
+                     ejected, rows);
   }
 };
 
@@ -109,12 +110,12 @@ TEST(Projection, OfTwoLikeBodiesMovesBothAlike) {
   EXPECT_EQ(scratch.moved(2), Vec3::Zero().eval());
 }
 
-/// Only what a path sends out, and by the least of all reaches.
+/// Only what a path sends out, and by the least of all largest corrections.
 TEST(Projection, SendsNothingFartherThanItsVerticesReach) {
   for (const auto kind : {ContactKind::kVertexPath, ContactKind::kVertexFace}) {
     Scratch scratch({1, 1, 1, 1}, {0.2, 0.3, 0.5}, 0.1);
     scratch.contact.kind = kind;
-    scratch.reaches = {0.08, 0.03, 1, 1};
+    scratch.max_corrections = {0.08, 0.03, 1, 1};
     scratch.project();
     EXPECT_NEAR(scratch.gap(), kind == ContactKind::kVertexPath ? -0.07 : 0, 1e-15);
   }

@@ -1,34 +1,15 @@
 #pragma once
 
-#include "selvage/contact/contact_finder.h"
 #include "selvage/simulation/collider.h"
 #include "selvage/simulation/model.h"
+#include "selvage/simulation/step.h"
+
+#include <memory>
 
 namespace selvage {
 
-struct XpbdOptions {
-  double time_step = 1.0 / 300;                                ///< [s] of one step
-  int iterations = 3;                                          ///< of the material solve in a step
-  Vec3 gravity{0, 0, -9.81};                                   ///< [m/s^2]
-  double velocity_damping = 0;                                 ///< [1/s]
-  double max_speed = std::numeric_limits<double>::infinity();  ///< [m/s]
-  double static_friction = 0.3, dynamic_friction = 0.2;        ///< of bodies on one another and on themselves
-  ContactOptions contact{};                                    ///< of bodies with one another and with themselves
-};
-
-/// What one step did, and how long its parts took. Shares of the step are `seconds_material`, the seconds of `contact`
-/// and `seconds_projection`; the rest of `seconds` goes to prediction and velocities.
-struct StepStatistics {
-  std::int64_t constraints = 0;        ///< material constraints solved, over all iterations
-  std::int64_t collider_contacts = 0;  ///< times that a vertex was pushed out of a collider
-  ContactStatistics contact;
-  double seconds_material = 0;    ///< [s] of the material solve
-  double seconds_projection = 0;  ///< [s] of projecting contacts, colliders and friction
-  double seconds = 0;             ///< [s] of all
-
-  double constraints_per_second() const {
-    return seconds_material > 0 ? static_cast<double>(constraints) / seconds_material : 0;
-  }
+struct XpbdOptions : StepOptions {
+  int iterations = 3;  ///< of the material solve in a step
 };
 
 /// Deformable bodies in time: XPBD with the contacts of SPB.

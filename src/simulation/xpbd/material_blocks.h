@@ -1,6 +1,7 @@
 #pragma once
 
 #include "selvage/simulation/model.h"
+#include "simulation/vertex_row.h"
 
 namespace selvage {
 
@@ -11,12 +12,6 @@ inline constexpr int kRowLength = 8;
 /// Twice as many as the widest register: elements are long chains of operations, and others have to be at hand while
 /// they wait.
 inline constexpr int kBatch = 16;
-
-/// A vertex as the solver moves it.
-struct alignas(32) VertexRow {
-  double position[3];
-  double inverse_mass;
-};
 
 /// Elements. Places without one hold one of rows that nothing moves.
 struct alignas(64) ElementBatch {

@@ -1,0 +1,128 @@
+#include "simulation/colliders/project_colliders.h"
+
+#include "core/parallel.h"
+#include "simulation/colliders/passage.h"
+
+#include <cmath>
+
+namespace selvage {
+
+namespace {
+
+constexpr std::int64_t kVertexGrain = 1024;
+/// Vertices that are skipped together where a collider is far from all of them.
+constexpr std::int64_t kVertexRun = 128;
+
+Eigen::Map<Eigen::Vector3d> position(VertexRow& vertex) {
+  return Eigen::Map<Eigen::Vector3d>(vertex.position);
+}
+
+Eigen::AlignedBox3d box_around(std::span<const VertexRow> vertices) {
+  Eigen::AlignedBox3d box;
+  for (const VertexRow& vertex : vertices) box.extend(Eigen::Map<const Eigen::Vector3d>(vertex.position));
+  return box;
+}
+
+/// A collider and where it is at the ends of a step.
+struct MovingCollider {
+  const PreparedCollider& collider;
+  RigidTransform start, end;
+  bool is_fixed = collider.motion.keyframes.empty();
+
+  /// In the collider's own coordinates, at the end of the step.
+  Vec3 to_local(VertexRow& vertex) const { return is_fixed ? Vec3(position(vertex)) : end.invert(position(vertex)); }
+
+  /// @param surface  what starts the step no deeper inside lies on the surface [m]; infinite: all does
+  template <typename Shape>
+  ColliderContacts push_out(const Shape& shape, const Step& step, std::int64_t v, double surface, const Vec3& ejected,
+                            ColliderContactState& state, VertexRow& vertex) const {
+    const Vec3 p = to_local(vertex);
+    const Vec3 was = start.invert(step.positions[v]);
+    const std::optional<Hit> hit = find_hit_on_way(shape, was, p);
+    if (!hit) return {};
+    ColliderContacts contacts{.count = 1};
+    if (state.step != step.number) {
+      state = {};
+      state.step = step.number;
+      const std::optional<Hit> at_start = std::isfinite(surface) ? find_hit(shape, was) : std::optional<Hit>();
+      if (at_start && at_start->depth > surface) {
+        state.way_out = end.rotation * at_start->normal;
+        state.start_depth = at_start->depth;
+        contacts.started_inside = 1;
+      }
+    }
+    const Vec3 outside = p + hit->depth * hit->normal;
+    const Vec3 moved = outside - was - end.rotation.transpose() * ejected;
+    const Vec3 drift = end.invert(step.positions[v] + step.length() * step.velocities[v]) - was;
+    const Vec3 slide = friction_correction(moved, drift, hit->normal, hit->depth, collider.friction, state.friction);
+    position(vertex) = end(outside + slide);
+    return contacts;
+  }
+
+  /// Moves a vertex that friction has left inside, or beyond, to the surface once more.
+  void set_on_surface(const Step& step, std::int64_t v, VertexRow& vertex) const {
+    const Vec3 p = to_local(vertex);
+    const Vec3 was = start.invert(step.positions[v]);
+    const std::optional<Hit> hit =
+        std::visit([&](const auto& shape) { return find_hit_on_way(shape, was, p); }, collider.shape);
+    if (hit) position(vertex) = end(p + hit->depth * hit->normal);
+  }
+};
+
+}  // namespace
+
+ColliderContacts project_colliders(std::span<const PreparedCollider> colliders, const Step& step,
+                                   std::span<const double> max_corrections, std::span<const Vec3> ejected,
+                                   std::span<ColliderContactState> states, std::span<VertexRow> vertices) {
+  if (colliders.empty()) return {};
+  std::vector<MovingCollider> moving;
+  bool any_far_side = false;
+  for (const PreparedCollider& collider : colliders) {
+    moving.push_back({collider, collider.motion.at(step.start_time), collider.motion.at(step.end_time)});
+    any_far_side |= std::visit([](const auto& s) { return kHasFarSide<std::decay_t<decltype(s)>>; }, collider.shape);
+  }
+  const std::size_t count = moving.size();
+  // To find a box takes half as long as to ask one collider of every vertex.
+  const bool pays_box = count > 1;
+  const std::int64_t run = pays_box ? kVertexRun : std::ssize(vertices);
+  const auto surface_of = [&](std::int64_t v) {
+    return max_corrections.empty() ? HUGE_VAL : kContactGap * max_corrections[v];
+  };
+  const auto project = [&](std::int64_t first, std::int64_t last, ColliderContacts& hits) {
+    std::vector<std::int64_t> pushed;
+    Eigen::AlignedBox3d box, ways;
+    const auto place_boxes = [&] {
+      ways = box = box_around(vertices.subspan(first, last - first));
+      if (!any_far_side) return;
+      for (std::int64_t v = first; v < last; ++v) ways.extend(step.positions[v]);
+    };
+    if (pays_box) place_boxes();
+    for (std::size_t c = 0; c < count; ++c)
+      std::visit(
+          [&](const auto& shape) {
+            constexpr bool kByWays = kHasFarSide<std::decay_t<decltype(shape)>>;
+            if (pays_box && moving[c].is_fixed && is_clear(shape, kByWays ? ways : box)) return;
+            const std::int64_t before = hits.count;
+            for (std::int64_t v = first; v < last; ++v) {
+              if (!(vertices[v].inverse_mass > 0)) continue;
+              const auto hit =
+                  moving[c].push_out(shape, step, v, surface_of(v), ejected[v], states[v * count + c], vertices[v]);
+              if (hit.count > 0) pushed.push_back(v);
+              hits.add(hit);
+            }
+            if (pays_box && hits.count > before) place_boxes();
+          },
+          colliders[c].shape);
+    // Friction that stops a vertex from sliding along one wall also stops it from leaving another, and from leaving the
+    // same one where that is hollow.
+    for (const std::int64_t v : pushed)
+      for (const MovingCollider& collider : moving) collider.set_on_surface(step, v, vertices[v]);
+  };
+  return parallel_reduce<ColliderContacts>(std::ssize(vertices), kVertexGrain,
+                                           [&](std::int64_t first, std::int64_t last, ColliderContacts& hits) {
+                                             for (; first < last; first += run)
+                                               project(first, std::min(first + run, last), hits);
+                                           });
+}
+
+}  // namespace selvage

@@ -1,0 +1,47 @@
+#pragma once
+
+#include "selvage/contact/friction.h"
+#include "simulation/colliders/prepared_collider.h"
+#include "simulation/step.h"
+#include "simulation/vertex_row.h"
+
+#include <algorithm>
+
+namespace selvage {
+
+/// What a collider has done to a vertex in the last step in which it pushed the vertex. Few vertices meet a collider,
+/// so that these are reset one by one when a step first uses them.
+struct ColliderContactState {
+  FrictionState friction;
+  Vec3 way_out = Vec3::Zero();  ///< unit normal where the vertex started the step inside
+  double start_depth = 0;       ///< at the start of the step [m]; 0 where that is not to be undone
+  std::int64_t step = -1;       ///< Step::number
+
+  /// The part of the push that only undoes the depth at the start of the step.
+  Vec3 depenetration() const { return std::min(start_depth, friction.normal_sum) * way_out; }
+};
+
+/// Counts over vertices and colliders.
+struct ColliderContacts {
+  std::int64_t count = 0;           ///< pushes
+  std::int64_t started_inside = 0;  ///< first pushes of a step, of vertices that started it inside
+
+  void add(const ColliderContacts& other) {
+    count += other.count;
+    started_inside += other.started_inside;
+  }
+};
+
+/// Moves vertices out of colliders, which move during the step, to the side that they come from: see
+/// find_hit_on_way(). Friction leaves no vertex inside another collider, nor inside a body. Parallel.
+///
+/// @param max_corrections  (n_vertices) [m] a vertex that starts the step inside by less than kContactGap of them lies
+///                         on the surface; empty: so do all vertices that start inside
+/// @param ejected          (n_vertices) by how much contacts sent vertices out of bodies [m]: friction does not count
+///                         it as sliding
+/// @param states           (n_vertices x n_colliders); updated
+ColliderContacts project_colliders(std::span<const PreparedCollider> colliders, const Step& step,
+                                   std::span<const double> max_corrections, std::span<const Vec3> ejected,
+                                   std::span<ColliderContactState> states, std::span<VertexRow> vertices);
+
+}  // namespace selvage

@@ -1,0 +1,26 @@
+#include "simulation/step.h"
+
+#include <algorithm>
+
+namespace selvage {
+
+namespace {
+
+/// Part of a vertex's shortest edge by which one projection moves it at most.
+constexpr double kMaxCorrection = 0.25;
+
+}  // namespace
+
+std::vector<double> max_corrections_of(const Model& model) {
+  std::vector<double> corrections(model.mesh.vertex_count(), 0);
+  for (const auto& element : model.mesh.elements())
+    for (const Index v : element)
+      for (const Index w : element) {
+        if (v == w) continue;
+        const double correction = kMaxCorrection * (model.rest_positions[v] - model.rest_positions[w]).norm();
+        if (corrections[v] == 0 || correction < corrections[v]) corrections[v] = correction;
+      }
+  return corrections;
+}
+
+}  // namespace selvage

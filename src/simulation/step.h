@@ -1,0 +1,23 @@
+#pragma once
+
+#include "selvage/simulation/model.h"
+
+namespace selvage {
+
+/// One time step: its ends, and the state at its start.
+struct Step {
+  std::int64_t number;                          ///< counted from the first step of the solver
+  double start_time, end_time;                  ///< [s]
+  std::span<const Vec3> positions, velocities;  ///< (n_vertices) at the start [m], [m/s]
+
+  double length() const { return end_time - start_time; }
+};
+
+/// Largest distance by which one projection sends each vertex out of a body: a part of its shortest edge at rest [m]; 0
+/// without an element. O(n).
+std::vector<double> max_corrections_of(const Model& model);
+
+/// Part of a vertex's largest correction by which a contact keeps it in front of a surface.
+inline constexpr double kContactGap = 0.01;
+
+}  // namespace selvage

@@ -1,0 +1,165 @@
+#include "simulation/time_step/time_step.h"
+
+#include "core/parallel.h"
+#include "selvage/core/error.h"
+#include "simulation/time_step/check_input.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace selvage {
+
+namespace {
+
+/// Part of a step by which rounding may shift a time.
+constexpr double kTimeSlack = 1e-6;
+
+std::vector<Index> bodies_of_vertices(const Model& model) {
+  std::vector<Index> body_of(model.mesh.vertex_count(), kNone);
+  for (Index b = 0; b < std::ssize(model.bodies); ++b)
+    std::fill_n(body_of.begin() + model.bodies[b].first_vertex, model.bodies[b].vertex_count, b);
+  return body_of;
+}
+
+}  // namespace
+
+TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle> handles,
+                   std::span<const Collider> colliders, const StepOptions& options)
+    : model_(model), options_(options), handles_(std::move(handles)) {
+  check_options(options);
+  check_state(model, initial);
+  check_handles(model, handles_);
+  colliders_ = prepare_colliders(colliders);
+  for (const Handle& handle : handles_) {
+    std::vector<Vec3>& positions = handle_positions_.emplace_back();
+    for (const Index v : handle.vertices) positions.push_back(initial.positions[v]);
+  }
+  vertices_.resize(vertex_count());
+  ejected_.resize(vertex_count(), Vec3::Zero());
+  collider_states_.resize(vertex_count() * colliders_.size());
+  max_corrections_ = max_corrections_of(model);
+  if (options.contact.mode == DetectionMode::kOff) return;
+  ContactOptions contact = options.contact;
+  // CCD alone never finds again what it leaves out once.
+  contact.wait_for_inverted = contact.mode != DetectionMode::kCcd;
+  contact_finder_.emplace(model.mesh, model.rest_positions, initial.positions, bodies_of_vertices(model), contact);
+  candidate_.resize(vertex_count());
+}
+
+void TimeStep::begin(const State& state) {
+  check_state(model_, state);
+  statistics_ = {};
+  collider_contacts_ = {};
+  state_steps_ = state.steps;
+  step_ = {.number = ++steps_begun_,
+           .start_time = static_cast<double>(state.steps) * options_.time_step,
+           .end_time = static_cast<double>(state.steps + 1) * options_.time_step,
+           .positions = state.positions,
+           .velocities = state.velocities};
+  // Later a vertex starts inside only where two colliders press it from one into the other.
+  may_start_inside_ = state.steps == 0 || std::any_of(handles_.begin(), handles_.end(),
+                                                      [&](const Handle& handle) { return is_released(handle); });
+  if (contact_finder_) contact_finder_->begin_step(state.positions);
+  predict(state);
+  place_handles();
+}
+
+/// Whether a handle holds its vertices in this step.
+bool TimeStep::is_held(const Handle& handle) const {
+  return step_.start_time + kTimeSlack * options_.time_step < handle.release_time;
+}
+
+/// Whether this step is the first in which a handle no longer holds its vertices.
+bool TimeStep::is_released(const Handle& handle) const {
+  const double since = step_.start_time + kTimeSlack * options_.time_step - handle.release_time;
+  return since >= 0 && since < options_.time_step;
+}
+
+void TimeStep::place(Index v, const Vec3& position, double inverse_mass) {
+  vertices_[v] = {{position[0], position[1], position[2]}, inverse_mass};
+}
+
+void TimeStep::predict(const State& state) {
+  const double step = options_.time_step, kept = 1 / (1 + step * options_.velocity_damping);
+  parallel_for(vertex_count(), kGrain, [&](std::int64_t i) {
+    const auto v = static_cast<Index>(i);
+    const double inverse_mass = model_.inverse_masses[v];
+    Vec3 velocity = Vec3::Zero();
+    if (inverse_mass > 0) {
+      Vec3 acceleration = options_.gravity;
+      if (!model_.external_forces.empty()) acceleration += inverse_mass * model_.external_forces[v];
+      velocity = kept * (state.velocities[v] + step * acceleration);
+    }
+    place(v, state.positions[v] + step * velocity, inverse_mass);
+  });
+}
+
+void TimeStep::place_handles() {
+  for (std::size_t h = 0; h < handles_.size(); ++h) {
+    if (!is_held(handles_[h])) continue;
+    const RigidTransform transform = handles_[h].motion.at(step_.end_time);
+    for (std::size_t i = 0; i < handles_[h].vertices.size(); ++i)
+      place(handles_[h].vertices[i], transform(handle_positions_[h][i]), 0);
+  }
+}
+
+void TimeStep::find_contacts() {
+  check_finite();
+  for (const Contact& contact : contacts_)
+    for (int i = 0; i < contact.count; ++i) ejected_[contact.vertices[i]].setZero();
+  if (!contact_finder_) return;
+  parallel_for(vertex_count(), kGrain, [&](std::int64_t v) { candidate_[v] = position(static_cast<Index>(v)); });
+  contact_finder_->find_contacts(candidate_, contacts_);
+  statistics_.contact = contact_finder_->statistics();
+}
+
+void TimeStep::project_colliders() {
+  const auto surface = may_start_inside_ ? std::span<const double>(max_corrections_) : std::span<const double>();
+  collider_contacts_.add(selvage::project_colliders(colliders_, step_, surface, ejected_, collider_states_, vertices_));
+  statistics_.collider_contacts = collider_contacts_.count;
+}
+
+void TimeStep::check_finite() const {
+  struct First {
+    Index vertex = std::numeric_limits<Index>::max();
+    void add(const First& other) { vertex = std::min(vertex, other.vertex); }
+  };
+  const First first =
+      parallel_reduce<First>(vertex_count(), kGrain, [&](std::int64_t begin, std::int64_t end, First& result) {
+        for (std::int64_t v = begin; v < end; ++v)
+          if (!is_in_range(position(static_cast<Index>(v)))) result.add({static_cast<Index>(v)});
+      });
+  if (first.vertex == std::numeric_limits<Index>::max()) return;
+  throw Error(fmt::format("vertex {}", first.vertex),
+              fmt::format("its position stops being finite in step {}", state_steps_ + 1),
+              "take a smaller time step, softer materials or slower handles");
+}
+
+/// By how far colliders have moved a vertex only because it started the step inside them. It gives no speed: a body
+/// that starts half in the floor would fly off with its depth a step.
+Vec3 TimeStep::depenetration_of(Index v) const {
+  Vec3 depenetration = Vec3::Zero();
+  if (collider_contacts_.started_inside == 0) return depenetration;
+  for (std::size_t c = 0; c < colliders_.size(); ++c) {
+    const ColliderContactState& contact = collider_states_[v * colliders_.size() + c];
+    if (contact.step == step_.number) depenetration += contact.depenetration();
+  }
+  return depenetration;
+}
+
+void TimeStep::finish(State& state) {
+  check_finite();
+  parallel_for(vertex_count(), kGrain, [&](std::int64_t i) {
+    const auto v = static_cast<Index>(i);
+    Vec3 velocity = (position(v) - state.positions[v] - depenetration_of(v)) / options_.time_step;
+    const double speed = velocity.norm();
+    if (speed > options_.max_speed) velocity *= options_.max_speed / speed;
+    state.velocities[v] = velocity;
+    state.positions[v] = position(v);
+  });
+  state.time = step_.end_time;
+  ++state.steps;
+}
+
+}  // namespace selvage

@@ -1,0 +1,88 @@
+#pragma once
+
+#include "selvage/simulation/collider.h"
+#include "selvage/simulation/motion.h"
+#include "selvage/simulation/step.h"
+#include "simulation/colliders/project_colliders.h"
+#include "simulation/step.h"
+
+#include <optional>
+
+namespace selvage {
+
+/// The part of a time step that is the same for every solver of the material. In the order of a step:
+///
+///     begin(state)          predicts where vertices go by inertia and forces, and places what handles hold
+///     find_contacts()       detects contacts on the way from the start of the step to the vertices' present positions
+///     project_colliders()   sets vertices that are inside colliders on their surface; as often as the solver iterates
+///     finish(state)         takes positions and velocities over into the state
+///
+/// In between the solver moves vertices() for the material and for contacts(). The same bits for any number of threads.
+class TimeStep {
+ public:
+  /// @param model    must outlive this
+  /// @param initial  where handles start
+  /// @throws Error   when a size, an index, a handle, a collider or an option is impossible; it names which
+  TimeStep(const Model& model, const State& initial, std::vector<Handle> handles, std::span<const Collider> colliders,
+           const StepOptions& options);
+
+  /// @param state  must stay as it is until finish()
+  void begin(const State& state);
+
+  /// @throws Error  naming the first vertex that is not finite; so does finish()
+  void find_contacts();
+
+  /// Friction included. Adds to statistics().collider_contacts.
+  void project_colliders();
+
+  /// Leaves the state as it was where it throws.
+  void finish(State& state);
+
+  /// (n_vertices) where vertices are in this step; those that handles hold have no inverse mass.
+  std::span<VertexRow> vertices() { return vertices_; }
+  /// Of the last find_contacts().
+  std::span<const Contact> contacts() const { return contacts_; }
+  /// Begun last.
+  const Step& step() const { return step_; }
+  /// See max_corrections_of().
+  std::span<const double> max_corrections() const { return max_corrections_; }
+  /// (n_vertices) sum of the corrections by which contacts sent vertices out of bodies in this step [m]. The solver
+  /// adds to those of the vertices of contacts(); friction with colliders does not count them as sliding.
+  std::span<Vec3> ejected() { return ejected_; }
+  /// Of the step begun last; the solver adds its own.
+  StepStatistics& statistics() { return statistics_; }
+  const StepStatistics& statistics() const { return statistics_; }
+
+ private:
+  Index vertex_count() const { return model_.mesh.vertex_count(); }
+  Vec3 position(Index v) const { return Eigen::Map<const Eigen::Vector3d>(vertices_[v].position); }
+  void place(Index v, const Vec3& position, double inverse_mass);
+  void predict(const State& state);
+  void place_handles();
+  bool is_held(const Handle& handle) const;
+  bool is_released(const Handle& handle) const;
+  Vec3 depenetration_of(Index v) const;
+  void check_finite() const;
+
+  const Model& model_;
+  StepOptions options_;
+  std::vector<Handle> handles_;
+  std::vector<std::vector<Vec3>> handle_positions_;  ///< of the vertices of each at time 0
+  std::vector<PreparedCollider> colliders_;
+  std::optional<ContactFinder> contact_finder_;  ///< none where the mode is kOff
+  std::vector<double> max_corrections_;
+
+  Step step_{};
+  std::int64_t steps_begun_ = 0;
+  std::int64_t state_steps_ = 0;  ///< State::steps at the start of the step
+  std::vector<VertexRow> vertices_;
+  std::vector<Vec3> candidate_;  ///< (n_vertices) end of the step as find_contacts() takes it
+  std::vector<Contact> contacts_;
+  std::vector<Vec3> ejected_;
+  std::vector<ColliderContactState> collider_states_;  ///< (n_vertices x n_colliders)
+  ColliderContacts collider_contacts_;                 ///< of the step
+  bool may_start_inside_ = false;  ///< vertices may start the step inside of colliders which did not push them before
+  StepStatistics statistics_;
+};
+
+}  // namespace selvage
