@@ -126,7 +126,7 @@ void ContactFinder::State::begin_step(std::span<const Vec3> positions) {
 
 void ContactFinder::State::split_features() {
   place(positions_t0);
-  timed(statistics.split_seconds, [&] {
+  timed(statistics.seconds_split, [&] {
     for (const Index f : inside) is_inside[f] = 0;
     inside.clear();
     inside_vertices.clear();
@@ -172,7 +172,7 @@ void ContactFinder::State::append_interior_points(std::span<const Vec3> position
 }
 
 void ContactFinder::State::place(std::span<const Vec3> positions) {
-  timed(statistics.refit_seconds, [&] { search->place(positions); });
+  timed(statistics.seconds_refit, [&] { search->place(positions); });
   ++statistics.pose_updates;
 }
 
@@ -195,17 +195,17 @@ void ContactFinder::State::append_paths(std::span<const Vec3> positions, std::ve
   if (splits() && inside.empty()) return;
   place(positions);
   std::vector<PenetratingPoint> points;
-  timed(statistics.dcd_seconds, [&] {
+  timed(statistics.seconds_dcd, [&] {
     points = find_boundary_points(positions);
     if (options.interior_points) append_interior_points(positions, points);
   });
   if (points.empty()) return;
-  timed(statistics.refit_seconds, [&] { search->prepare_paths(); });
+  timed(statistics.seconds_refit, [&] { search->prepare_paths(); });
   // Inner vertices are listed after boundary ones, and edges between: each kind in one run, by its numbers.
   std::stable_sort(points.begin(), points.end(), [](const PenetratingPoint& a, const PenetratingPoint& b) {
     return std::pair(a.kind, a.feature) < std::pair(b.kind, b.feature);
   });
-  timed(statistics.path_seconds, [&] { append_ways_out(positions, points, contacts); });
+  timed(statistics.seconds_paths, [&] { append_ways_out(positions, points, contacts); });
 }
 
 /// Takes out the points of tangles that have a turned vertex: these need not be asked for a way out.
@@ -287,7 +287,7 @@ void ContactFinder::State::find_contacts(std::span<const Vec3> positions, std::v
   check_positions<3>(positions, mesh.vertex_count());
   contacts.clear();
   if (uses_dcd()) append_paths(positions, contacts);
-  if (uses_ccd()) timed(statistics.ccd_seconds, [&] { append_impacts_of_step(positions, contacts); });
+  if (uses_ccd()) timed(statistics.seconds_ccd, [&] { append_impacts_of_step(positions, contacts); });
   for (const Contact& contact : contacts) ++statistics.contacts[static_cast<int>(contact.kind)];
 }
 

@@ -11,8 +11,8 @@ Vec3 friction_correction(const Vec3& displacement, const Vec3& drift, const Vec3
   state.normal_sum += normal_correction;
   state.tangential_sum = before - across(displacement);
   const double length = state.tangential_sum.norm();
-  const double static_limit = friction.static_friction * state.normal_sum;
-  const double dynamic_limit = friction.dynamic_friction * state.normal_sum;
+  const double static_limit = friction.static_coefficient * state.normal_sum;
+  const double dynamic_limit = friction.dynamic_coefficient * state.normal_sum;
   if (length > static_limit) {
     const bool stops = across(drift).norm() <= dynamic_limit;
     state.tangential_sum *= std::min((stops ? std::max(static_limit, dynamic_limit) : dynamic_limit) / length, 1.0);

@@ -90,9 +90,9 @@ void add_step(const StepStatistics& step, FrameStatistics& row) {
   row.constraints += step.constraints;
   row.seconds_material += step.seconds_material;
   row.seconds_projection += step.seconds_projection;
-  row.seconds_dcd += contact.refit_seconds + contact.split_seconds + contact.dcd_seconds;
-  row.seconds_paths += contact.path_seconds;
-  row.seconds_ccd += contact.ccd_seconds;
+  row.seconds_dcd += contact.seconds_refit + contact.seconds_split + contact.seconds_dcd;
+  row.seconds_paths += contact.seconds_paths;
+  row.seconds_ccd += contact.seconds_ccd;
   row.seconds_steps += step.seconds;
 }
 

@@ -201,8 +201,8 @@ void read_contact(const JsonValue& value, SceneDescription& scene) {
   if (const auto v = object.find("rule")) contact.rule = static_cast<ClosestPointRule>(v->choice(kRules));
   if (const auto v = object.find("edges")) contact.detect_edges = v->boolean();
   if (const auto v = object.find("interior_points")) contact.interior_points = v->boolean();
-  if (const auto v = object.find("static_friction")) scene.options.static_friction = v->number(kNotNegative);
-  if (const auto v = object.find("dynamic_friction")) scene.options.dynamic_friction = v->number(kNotNegative);
+  if (const auto v = object.find("static_friction")) scene.options.friction.static_coefficient = v->number(kNotNegative);
+  if (const auto v = object.find("dynamic_friction")) scene.options.friction.dynamic_coefficient = v->number(kNotNegative);
   if (const auto v = object.find("from_frame")) scene.contact_from_frame = v->integer(0, 1'000'000);
   object.refuse_others();
 }

@@ -2,10 +2,12 @@
 
 namespace selvage {
 
-/// A vertex as solvers move it: one load of a register.
+/// A vertex as solvers move it: one load of a register. StepVertices hands these out.
 struct alignas(32) VertexRow {
   double position[3];   ///< [m]
   double inverse_mass;  ///< [1/kg]; 0: moved by nothing
 };
+
+static_assert(sizeof(VertexRow) == 4 * sizeof(double));
 
 }  // namespace selvage

@@ -76,8 +76,8 @@ TEST(SceneReader, UnderstandsEverything) {
   EXPECT_EQ(scene.options.gravity, Vec3(0, 0, -9));
   EXPECT_EQ(scene.options.velocity_damping, 0.5);
   EXPECT_EQ(scene.options.max_speed, 20);
-  EXPECT_EQ(scene.options.static_friction, 0.4);
-  EXPECT_EQ(scene.options.dynamic_friction, 0.1);
+  EXPECT_EQ(scene.options.friction.static_coefficient, 0.4);
+  EXPECT_EQ(scene.options.friction.dynamic_coefficient, 0.1);
   EXPECT_EQ(scene.options.contact.mode, DetectionMode::kDcd);
   EXPECT_EQ(scene.options.contact.rule, ClosestPointRule::kRestPose);
   EXPECT_FALSE(scene.options.contact.detect_edges);
@@ -95,7 +95,7 @@ TEST(SceneReader, UnderstandsEverything) {
   EXPECT_EQ(scene.bodies[1].instances.size(), 6u);
   ASSERT_EQ(scene.colliders.size(), 6u);
   EXPECT_EQ(std::get<PlaneShape>(scene.colliders[0].collider.shape).normal, Vec3(0, 0, 1));
-  EXPECT_EQ(scene.colliders[0].collider.static_friction, 0.7);
+  EXPECT_EQ(scene.colliders[0].collider.friction.static_coefficient, 0.7);
   EXPECT_TRUE(scene.colliders[5].mesh.has_value());
 }
 

@@ -32,7 +32,7 @@ struct Slope {
     XpbdOptions options = without_contact();
     options.iterations = 10;
     options.velocity_damping = velocity_damping;
-    XpbdSolver solver(model, state, {}, {{PlaneShape{Vec3::Zero(), normal}, {}, at_rest, sliding}}, options);
+    XpbdSolver solver(model, state, {}, {{PlaneShape{Vec3::Zero(), normal}, {}, {at_rest, sliding}}}, options);
     for (int i = 0; i < steps; ++i) solver.step(state);
     return momentum(model, state).dot(down) / (1000 * 0.2 * 0.2 * 0.1);
   }
@@ -85,8 +85,7 @@ double slide_on_body(double degrees, const Friction& friction, const XpbdOptions
   Handle ground;
   for (Index v = model.bodies[1].first_vertex; v < model.mesh.vertex_count(); ++v) ground.vertices.push_back(v);
   XpbdOptions options = chosen;
-  options.static_friction = friction.static_friction;
-  options.dynamic_friction = friction.dynamic_friction;
+  options.friction = friction;
   const double angle = degrees * M_PI / 180;
   options.gravity = 9.81 * Vec3(std::sin(angle), 0, -std::cos(angle));
   XpbdSolver solver(model, state, {ground}, {}, options);
@@ -126,7 +125,7 @@ struct Case {
 };
 
 std::vector<Case> cases() {
-  const auto with = [](auto shape) { return Collider{shape, {}, 0.8, 0.8}; };
+  const auto with = [](auto shape) { return Collider{shape, {}, {0.8, 0.8}}; };
   const auto below = [](const Vec3& p, double t) { return p[2] < -t; };
   std::vector<Case> cases;
   cases.push_back({"plane", with(PlaneShape{}), {0, 0, 0.1}, below});
@@ -178,7 +177,7 @@ TEST(Colliders, HoldNothingInsideOneAnother) {
       for (const double side : {-1.0, 1.0}) {
         const Vec3 inward = -side * Vec3::Unit(axis);
         const Motion motion{{{0, Vec3::Zero()}, {0.2, 0.03 * inward}}};
-        walls.push_back({PlaneShape{-0.1 * inward, inward}, motion, friction, friction});
+        walls.push_back({PlaneShape{-0.1 * inward, inward}, motion, {friction, friction}});
       }
     XpbdSolver solver(model, state, {}, walls, without_contact());
     for (int i = 0; i < 90; ++i) {
@@ -199,9 +198,9 @@ TEST(Colliders, HoldNothingInsideABody) {
   State state = make_state(model, model.rest_positions);
   const Motion motion{{{0, Vec3::Zero()}, {0.1, Vec3(0, 0, -0.06)}}};
   XpbdOptions options;
-  options.static_friction = options.dynamic_friction = 0.3;
+  options.friction = {0.3, 0.3};
   XpbdSolver solver(model, state, {},
-                    {{PlaneShape{}, {}, 0.3, 0.3}, {PlaneShape{{0, 0, 0.2}, -Vec3::UnitZ()}, motion, 0.3, 0.3}},
+                    {{PlaneShape{}, {}, {0.3, 0.3}}, {PlaneShape{{0, 0, 0.2}, -Vec3::UnitZ()}, motion, {0.3, 0.3}}},
                     options);
   BoundaryPathFinder<3> finder(model.mesh, state.positions);
   EXPECT_GT(finder.find_penetrating_vertices().size(), 50u);
@@ -216,7 +215,7 @@ TEST(Colliders, TakeAlongWhatTheyCarry) {
   State state = make_state(model, model.rest_positions);
   // A floor that moves sideways at 0.5 m/s and then stops: no sliding at 1 m/s^2 below the limit of friction.
   const Motion motion{{{0, Vec3(0, 0, 0)}, {1, Vec3(0.5, 0, 0)}}};
-  XpbdSolver solver(model, state, {}, {{PlaneShape{}, motion, 0.9, 0.9}}, without_contact());
+  XpbdSolver solver(model, state, {}, {{PlaneShape{}, motion, {0.9, 0.9}}}, without_contact());
   for (int i = 0; i < 240; ++i) solver.step(state);
   EXPECT_NEAR(momentum(model, state)[0] / 4, 0.5, 0.02);
   for (int i = 0; i < 300; ++i) solver.step(state);
@@ -300,7 +299,7 @@ TEST(Colliders, PushWhatTheyRunInto) {
   for (Vec3& p : block.positions) p = Vec3(p[0] - 0.2, p[1] - 0.2, 3 * p[2] - 0.6);
   // Turned by a right angle on the way.
   const Motion motion{{{0, Vec3(0, 0, 0), 0}, {1, Vec3(1, 0, 0), M_PI / 2}}};
-  XpbdSolver solver(model, state, {}, {{PlaneShape{}}, {block, motion, 0, 0}}, without_contact());
+  XpbdSolver solver(model, state, {}, {{PlaneShape{}}, {block, motion, {0, 0}}}, without_contact());
   for (int i = 0; i < 300; ++i) solver.step(state);
   for (const Vec3& p : state.positions) EXPECT_GT((p - Vec3(1, 0, 0)).head<2>().lpNorm<Eigen::Infinity>(), 0.2 - 1e-6);
 }

@@ -191,7 +191,7 @@ double slide(double friction) {
   for (Index v = 0; v < model.bodies[0].vertex_count; ++v) held.vertices.push_back(v);
   XpbdOptions options;
   options.iterations = 5;
-  options.static_friction = options.dynamic_friction = friction;
+  options.friction = {friction, friction};
   XpbdSolver solver(model, state, {held}, {}, options);
   for (int i = 0; i < 90; ++i) solver.step(state);
   for (Index v = held.vertices.back() + 1; v < model.mesh.vertex_count(); ++v)
@@ -220,7 +220,7 @@ TEST(Contacts, PushABlockOnALevelBodyNowhere) {
         for (Index v = model.bodies[1].first_vertex; v < model.mesh.vertex_count(); ++v) model.inverse_masses[v] = 0;
         State state = make_state(model, model.rest_positions);
         XpbdOptions options;
-        options.static_friction = options.dynamic_friction = 0;
+        options.friction = {0, 0};
         options.contact.mode = mode;
         XpbdSolver solver(model, state, {}, {}, options);
         for (int i = 0; i < 60; ++i) solver.step(state);

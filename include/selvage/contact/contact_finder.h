@@ -35,11 +35,11 @@ struct ContactStatistics {
   PenetrationCounters penetrations;
   ContinuousCounters continuous;
 
-  double split_seconds = 0;  ///< DCD at the start of the step
-  double dcd_seconds = 0;    ///< DCD at its end
-  double refit_seconds = 0;  ///< pose updates
-  double path_seconds = 0;   ///< shortest paths
-  double ccd_seconds = 0;    ///< CCD with times of impact
+  double seconds_split = 0;  ///< [s] of DCD at the start of the step
+  double seconds_dcd = 0;    ///< [s] of DCD at its end
+  double seconds_refit = 0;  ///< [s] of pose updates
+  double seconds_paths = 0;  ///< [s] of shortest paths
+  double seconds_ccd = 0;    ///< [s] of CCD with times of impact
 };
 
 /// Contacts of a tetrahedral mesh with itself during a step: of its objects with one another and each with itself.
@@ -60,6 +60,8 @@ class ContactFinder {
   /// @throws Error          when sizes differ, a position is not finite, or the rule lacks what it needs
   ContactFinder(const TetMesh& mesh, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
                 std::span<const Index> vertex_objects = {}, ContactOptions options = {});
+  ContactFinder(const TetMesh&& mesh, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
+                std::span<const Index> vertex_objects = {}, ContactOptions options = {}) = delete;
   ~ContactFinder();
   ContactFinder(ContactFinder&&) noexcept;
   ContactFinder& operator=(ContactFinder&&) noexcept;

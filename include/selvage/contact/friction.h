@@ -6,7 +6,7 @@ namespace selvage {
 
 /// Coefficients of Coulomb friction, without unit: of a contact that sticks, and of one that slips.
 struct Friction {
-  double static_friction = 0, dynamic_friction = 0;
+  double static_coefficient = 0, dynamic_coefficient = 0;
 };
 
 /// Corrections that one contact has made to its point so far in a step. A contact is projected several times a step.
@@ -20,9 +20,10 @@ struct FrictionState {
 ///
 /// The limits of Coulomb's law hold for the sums over the step, not for one projection. Let N be `normal_sum`, with
 /// this projection. The sum of the friction corrections
-/// - sticks: it undoes the whole tangential displacement where that takes no more than `static_friction` * N;
-/// - stops: else it is at most `static_friction` * N long where `dynamic_friction` * N is enough to stop the drift;
-/// - slips: else it is at most `dynamic_friction` * N long.
+/// - sticks: it undoes the whole tangential displacement where that takes no more than `static_coefficient` * N;
+/// - stops: else it is at most `static_coefficient` * N long where `dynamic_coefficient` * N is enough to stop the
+/// drift;
+/// - slips: else it is at most `dynamic_coefficient` * N long.
 ///
 /// Why sums: a contact is projected again with hardly any correction along the normal. A limit for each projection
 /// would then allow hardly any friction.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "selvage/contact/friction.h"
 #include "selvage/simulation/motion.h"
 
 #include <variant>
@@ -49,8 +50,7 @@ struct MeshShape {
 struct Collider {
   std::variant<PlaneShape, BoxContainer, Bowl, SphereShape, CylinderShape, MeshShape> shape;
   Motion motion{};
-  double static_friction = 0.3;
-  double dynamic_friction = 0.2;
+  Friction friction{.static_coefficient = 0.3, .dynamic_coefficient = 0.2};
 };
 
 }  // namespace selvage

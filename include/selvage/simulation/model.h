@@ -20,13 +20,10 @@ struct Body {
 
 /// What stays the same during a run.
 struct Model {
-  /// @cond
-  TetMesh mesh;  ///< all bodies in one mesh
-  /// @endcond
-  std::vector<Vec3> rest_positions;     ///< (n_vertices) [m]: where no element is stressed
-  std::vector<Body> bodies;             ///< in the order of their elements
-  std::vector<double> inverse_masses;   ///< (n_vertices) [1/kg]; 0: pinned for ever, or without element
-  std::vector<Vec3> external_forces{};  ///< (n_vertices) [N] besides gravity, or empty
+  TetMesh mesh;                        ///< all bodies in one mesh
+  std::vector<Vec3> rest_positions;    ///< (n_vertices) [m]: where no element is stressed
+  std::vector<Body> bodies;            ///< in the order of their elements
+  std::vector<double> inverse_masses;  ///< (n_vertices) [1/kg]; 0: pinned for ever, or without element
 };
 
 /// A model of the bodies: each vertex has a quarter of the mass of its elements.

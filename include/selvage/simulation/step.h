@@ -1,6 +1,7 @@
 #pragma once
 
 #include "selvage/contact/contact_finder.h"
+#include "selvage/contact/friction.h"
 
 #include <limits>
 
@@ -12,8 +13,9 @@ struct StepOptions {
   Vec3 gravity{0, 0, -9.81};                                   ///< [m/s^2]
   double velocity_damping = 0;                                 ///< [1/s]
   double max_speed = std::numeric_limits<double>::infinity();  ///< [m/s]
-  double static_friction = 0.3, dynamic_friction = 0.2;        ///< of bodies on one another and on themselves
-  ContactOptions contact{};                                    ///< of bodies with one another and with themselves
+  /// Of bodies on one another and on themselves; colliders have their own.
+  Friction friction{.static_coefficient = 0.3, .dynamic_coefficient = 0.2};
+  ContactOptions contact{};  ///< of bodies with one another and with themselves
 };
 
 /// What one step did, and how long its parts took. Shares of the step are `seconds_material`, the seconds of `contact`

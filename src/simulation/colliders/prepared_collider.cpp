@@ -76,10 +76,10 @@ std::vector<PreparedCollider> prepare_colliders(std::span<const Collider> collid
     const Collider& collider = colliders[i];
     const std::string where = fmt::format("collider {}", i);
     check_motion(where, collider.motion);
-    demand(collider.static_friction >= 0 && collider.dynamic_friction >= 0, where, "its friction is negative",
-           "give numbers of at least 0");
+    demand(collider.friction.static_coefficient >= 0 && collider.friction.dynamic_coefficient >= 0, where,
+           "its friction is negative", "give numbers of at least 0");
     for (auto& shape : std::visit([&](const auto& given) { return prepare_shape(where, given); }, collider.shape))
-      prepared.push_back({std::move(shape), collider.motion, {collider.static_friction, collider.dynamic_friction}});
+      prepared.push_back({std::move(shape), collider.motion, collider.friction});
   }
   return prepared;
 }

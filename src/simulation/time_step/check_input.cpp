@@ -19,20 +19,24 @@ void check_options(const StepOptions& options) {
   check_option(options.gravity.allFinite(), "gravity", options.gravity.norm(), "that is finite");
   check_option(options.velocity_damping >= 0, "velocity damping", options.velocity_damping, "that is not negative");
   check_option(options.max_speed > 0, "largest speed", options.max_speed, "above 0");
-  check_option(options.static_friction >= 0, "static friction", options.static_friction, "that is not negative");
-  check_option(options.dynamic_friction >= 0, "dynamic friction", options.dynamic_friction, "that is not negative");
+  const auto [static_coefficient, dynamic_coefficient] = options.friction;
+  check_option(static_coefficient >= 0, "static friction", static_coefficient, "that is not negative");
+  check_option(dynamic_coefficient >= 0, "dynamic friction", dynamic_coefficient, "that is not negative");
 }
 
 void check_state(const Model& model, const State& state) {
   const auto count = static_cast<std::size_t>(model.mesh.vertex_count());
-  if (!model.external_forces.empty() && model.external_forces.size() != count)
-    throw Error("external forces", fmt::format("{} for {} vertices", model.external_forces.size(), count),
-                "give one per vertex, or none at all");
   if (state.positions.size() != count || state.velocities.size() != count)
     throw Error("state",
                 fmt::format("{} positions and {} velocities for {} vertices", state.positions.size(),
                             state.velocities.size(), count),
                 "give one of each per vertex");
+}
+
+void check_forces(const Model& model, std::span<const Vec3> external_forces) {
+  if (!external_forces.empty() && std::ssize(external_forces) != model.mesh.vertex_count())
+    throw Error("external forces", fmt::format("{} for {} vertices", external_forces.size(), model.mesh.vertex_count()),
+                "give one per vertex, or none at all");
 }
 
 void check_handles(const Model& model, std::span<const Handle> handles) {

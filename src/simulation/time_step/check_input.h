@@ -12,8 +12,11 @@ namespace selvage {
 void check_option(bool is_good, std::string_view name, double value, std::string_view range);
 void check_options(const StepOptions& options);
 
-/// @throws Error  where forces, positions or velocities are not one for each vertex
+/// @throws Error  where positions or velocities are not one for each vertex
 void check_state(const Model& model, const State& state);
+
+/// @throws Error  where there are forces, but not one for each vertex
+void check_forces(const Model& model, std::span<const Vec3> external_forces);
 
 /// @throws Error  where a motion is impossible, a vertex does not exist or two handles hold it
 void check_handles(const Model& model, std::span<const Handle> handles);

@@ -47,8 +47,9 @@ TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle>
   candidate_.resize(vertex_count());
 }
 
-void TimeStep::begin(const State& state) {
+void TimeStep::begin(const State& state, std::span<const Vec3> external_forces) {
   check_state(model_, state);
+  check_forces(model_, external_forces);
   statistics_ = {};
   collider_contacts_ = {};
   state_steps_ = state.steps;
@@ -61,7 +62,7 @@ void TimeStep::begin(const State& state) {
   may_start_inside_ = state.steps == 0 || std::any_of(handles_.begin(), handles_.end(),
                                                       [&](const Handle& handle) { return is_released(handle); });
   if (contact_finder_) contact_finder_->begin_step(state.positions);
-  predict(state);
+  predict(state, external_forces);
   place_handles();
 }
 
@@ -80,7 +81,7 @@ void TimeStep::place(Index v, const Vec3& position, double inverse_mass) {
   vertices_[v] = {{position[0], position[1], position[2]}, inverse_mass};
 }
 
-void TimeStep::predict(const State& state) {
+void TimeStep::predict(const State& state, std::span<const Vec3> external_forces) {
   const double step = options_.time_step, kept = 1 / (1 + step * options_.velocity_damping);
   parallel_for(vertex_count(), kGrain, [&](std::int64_t i) {
     const auto v = static_cast<Index>(i);
@@ -88,7 +89,7 @@ void TimeStep::predict(const State& state) {
     Vec3 velocity = Vec3::Zero();
     if (inverse_mass > 0) {
       Vec3 acceleration = options_.gravity;
-      if (!model_.external_forces.empty()) acceleration += inverse_mass * model_.external_forces[v];
+      if (!external_forces.empty()) acceleration += inverse_mass * external_forces[v];
       velocity = kept * (state.velocities[v] + step * acceleration);
     }
     place(v, state.positions[v] + step * velocity, inverse_mass);

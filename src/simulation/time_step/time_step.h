@@ -12,7 +12,7 @@ namespace selvage {
 
 /// The part of a time step that is the same for every solver of the material. In the order of a step:
 ///
-///     begin(state)          predicts where vertices go by inertia and forces, and places what handles hold
+///     begin(state, forces)  predicts where vertices go by inertia and forces, and places what handles hold
 ///     find_contacts()       detects contacts on the way from the start of the step to the vertices' present positions
 ///     project_colliders()   sets vertices that are inside colliders on their surface; as often as the solver iterates
 ///     finish(state)         takes positions and velocities over into the state
@@ -26,8 +26,9 @@ class TimeStep {
   TimeStep(const Model& model, const State& initial, std::vector<Handle> handles, std::span<const Collider> colliders,
            const StepOptions& options);
 
-  /// @param state  must stay as it is until finish()
-  void begin(const State& state);
+  /// @param state            must stay as it is until finish()
+  /// @param external_forces  (n_vertices) [N] besides gravity, or empty
+  void begin(const State& state, std::span<const Vec3> external_forces);
 
   /// @throws Error  naming the first vertex that is not finite; so does finish()
   void find_contacts();
@@ -57,7 +58,7 @@ class TimeStep {
   Index vertex_count() const { return model_.mesh.vertex_count(); }
   Vec3 position(Index v) const { return Eigen::Map<const Eigen::Vector3d>(vertices_[v].position); }
   void place(Index v, const Vec3& position, double inverse_mass);
-  void predict(const State& state);
+  void predict(const State& state, std::span<const Vec3> external_forces);
   void place_handles();
   bool is_held(const Handle& handle) const;
   bool is_released(const Handle& handle) const;

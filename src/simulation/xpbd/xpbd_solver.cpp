@@ -15,6 +15,7 @@ struct XpbdSolver::Parts {
   MaterialSolver material;
   std::vector<VertexRow> start;                ///< vertices at the start of the step, where the material needs them
   std::vector<FrictionState> friction_states;  ///< (n_contacts)
+  UserConstraint constraint;
 
   Parts(const Model& model, const State& initial, std::vector<Handle> handles, std::span<const Collider> colliders,
         const XpbdOptions& o)
@@ -34,6 +35,17 @@ struct XpbdSolver::Parts {
     }
   }
 
+  /// Iterations from `first` to before `last`, without contacts in between.
+  void iterate(int first, int last) {
+    if (!constraint) return solve_material(first, last);
+    const std::span<VertexRow> rows = time_step.vertices();
+    const StepVertices vertices(rows.data()->position, static_cast<Index>(rows.size()));
+    for (int iteration = first; iteration < last; ++iteration) {
+      solve_material(iteration, iteration + 1);
+      constraint(vertices, iteration);
+    }
+  }
+
   void solve_material(int first, int last) {
     timed(statistics().seconds_material, [&] { material.solve(time_step.vertices(), start, first, last); });
     statistics().constraints += material.constraint_count() * (last - first);
@@ -41,25 +53,24 @@ struct XpbdSolver::Parts {
 
   void project() {
     timed(statistics().seconds_projection, [&] {
-      project_contacts(time_step.contacts(), time_step.step(), time_step.max_corrections(),
-                       {options.static_friction, options.dynamic_friction}, friction_states, time_step.ejected(),
-                       time_step.vertices());
+      project_contacts(time_step.contacts(), time_step.step(), time_step.max_corrections(), options.friction,
+                       friction_states, time_step.ejected(), time_step.vertices());
       time_step.project_colliders();
     });
   }
 
   /// Contacts are found where the first half of the iterations leads, and projected between the others. Projected only
   /// once, after the last, they would move the boundary alone, and elements under pressure would be inverted.
-  void step(State& state) {
-    time_step.begin(state);
+  void step(State& state, std::span<const Vec3> external_forces) {
+    time_step.begin(state, external_forces);
     keep_start(state);
     const int free_iterations = std::max(options.iterations / 2, 1);
-    solve_material(0, free_iterations);
+    iterate(0, free_iterations);
     time_step.find_contacts();
     friction_states.assign(time_step.contacts().size(), {});
     project();
     for (int iteration = free_iterations; iteration < options.iterations; ++iteration) {
-      solve_material(iteration, iteration + 1);
+      iterate(iteration, iteration + 1);
       project();
     }
     time_step.finish(state);
@@ -73,10 +84,18 @@ XpbdSolver::~XpbdSolver() = default;
 XpbdSolver::XpbdSolver(XpbdSolver&&) noexcept = default;
 XpbdSolver& XpbdSolver::operator=(XpbdSolver&&) noexcept = default;
 
-void XpbdSolver::step(State& state) {
+void XpbdSolver::set_constraint(UserConstraint constraint) {
+  parts_->constraint = std::move(constraint);
+}
+
+void XpbdSolver::step(State& state, std::span<const Vec3> external_forces) {
   double seconds = 0;
-  timed(seconds, [&] { parts_->step(state); });
+  timed(seconds, [&] { parts_->step(state, external_forces); });
   parts_->statistics().seconds = seconds;
+}
+
+std::span<const Contact> XpbdSolver::contacts() const {
+  return parts_->time_step.contacts();
 }
 
 const StepStatistics& XpbdSolver::statistics() const {
