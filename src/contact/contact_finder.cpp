@@ -64,7 +64,7 @@ struct ContactFinder::State {
   std::vector<Index> inside;  ///< features of the search that penetrate at the start of the step
   std::vector<std::uint8_t> is_inside;
   std::vector<Index> inside_vertices, inside_edges;
-  InvertedVertices turned;    ///< at the start of the step
+  InvertedVertices inverted;  ///< at the start of the step
   std::vector<Index> pieces;  ///< connected component of each element; where whole tangles wait
   ContactStatistics statistics;
   bool has_begun = false;  ///< any step
@@ -120,8 +120,8 @@ void ContactFinder::State::begin_step(std::span<const Vec3> positions) {
   positions_t0.assign(positions.begin(), positions.end());
   if (splits()) split_features();
   if (!options.wait_for_inverted) return;
-  turned = splits() ? InvertedVertices(mesh, positions_t0, search->paths().defective_elements())
-                    : InvertedVertices(mesh, positions_t0);
+  inverted = splits() ? InvertedVertices(mesh, positions_t0, search->paths().defective_elements())
+                      : InvertedVertices(mesh, positions_t0);
 }
 
 void ContactFinder::State::split_features() {
@@ -208,13 +208,13 @@ void ContactFinder::State::append_paths(std::span<const Vec3> positions, std::ve
   timed(statistics.seconds_paths, [&] { append_ways_out(positions, points, contacts); });
 }
 
-/// Takes out the points of tangles that have a turned vertex: these need not be asked for a way out.
+/// Removes the points of tangles that have a vertex of an inverted element. They need no query for a way out.
 std::vector<std::uint8_t> ContactFinder::State::leave_out_waiting(std::vector<PenetratingPoint>& points) {
   std::vector<std::uint8_t> waits(1, 0);
-  if (turned.empty()) return waits;
+  if (inverted.empty()) return waits;
   waits.assign(number_tangles(mesh, pieces, points), 0);
   for (const PenetratingPoint& p : points)
-    if (turned.has_any(std::span(p.vertices).first(p.count), p.weights)) waits[p.tangle] = 1;
+    if (inverted.has_any(std::span(p.vertices).first(p.count), p.weights)) waits[p.tangle] = 1;
   statistics.waiting_points += std::erase_if(points, [&](const PenetratingPoint& p) { return waits[p.tangle] != 0; });
   return waits;
 }
@@ -225,11 +225,11 @@ void ContactFinder::State::append_ways_out(std::span<const Vec3> positions, std:
   if (euclidean) euclidean->place(positions);
   const std::vector<BoundaryPath<3>> found = find_ways_out(points, positions);
   statistics.path_queries += std::ssize(points);
-  // By DCD alone an upright point leaves by a face at a turned vertex, too: nothing but contacts parts what is inside,
-  // and while it is, it holds what is to turn back.
+  // By DCD alone, contacts are all that separates bodies. So a point that is not at an inverted element leaves also by
+  // a face that is: while it is inside, it keeps the element inverted.
   for (std::size_t i = 0; i < points.size() && splits(); ++i)
     if (found[i].status == PathStatus::kFound &&
-        turned.has_any(mesh.boundary_faces()[found[i].face], found[i].barycentric))
+        inverted.has_any(mesh.boundary_faces()[found[i].face], found[i].barycentric))
       waits[points[i].tangle] = 1;
   std::size_t first = contacts.size();  // of those of the same point
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -245,7 +245,7 @@ void ContactFinder::State::append_ways_out(std::span<const Vec3> positions, std:
       return other.surface_feature == contact.surface_feature && other.point == contact.point;
     };
     if (first < contacts.size() && !is_same_point(contacts[first], contact)) first = contacts.size();
-    // Nothing moves a point that is on a face of its own vertices where its way out ends.
+    // A way out that ends on a face of the point's own vertices can move none of them.
     const bool moves = contact.count > 0 && !found[i].normal.isZero(0);
     if (!moves || std::any_of(contacts.begin() + first, contacts.end(), same)) continue;
     contacts.push_back(contact);
@@ -278,7 +278,9 @@ void ContactFinder::State::append_impacts_of_step(std::span<const Vec3> position
   append_impacts<EdgeEdgePair>(pairs.edge_edge, edge_times,
                                first_impacts(pairs.edge_edge, edge_times, surface.edge_count()), contacts,
                                [&](auto pair, double time) { return edge_edge_contact(step, pair, time); });
-  const auto waits = [&](const Contact& c) { return turned.has_any(std::span(c.vertices).first(c.count), c.weights); };
+  const auto waits = [&](const Contact& c) {
+    return inverted.has_any(std::span(c.vertices).first(c.count), c.weights);
+  };
   contacts.erase(std::remove_if(contacts.begin() + first, contacts.end(), waits), contacts.end());
 }
 

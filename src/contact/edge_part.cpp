@@ -13,18 +13,18 @@ namespace {
 /// How far the ends of two parts that meet may lie apart, as they are rounded.
 constexpr double kSlack = 1e-9;
 
-bool hang_together(const TetMesh& mesh, const ElementPart& a, const ElementPart& b) {
+bool are_connected(const TetMesh& mesh, const ElementPart& a, const ElementPart& b) {
   return a.part.first <= b.part.last + kSlack && b.part.first <= a.part.last + kSlack &&
          share_vertex(mesh.elements()[a.element], mesh.elements()[b.element]);
 }
 
-/// Takes the last part out of a list, and with it all that hang together; in the order of their elements.
+/// Removes the last part from a list, with all parts connected to it; in the order of their elements.
 std::vector<ElementPart> take_run(const TetMesh& mesh, std::vector<ElementPart>& parts, bool joins) {
   std::vector<ElementPart> run{parts.back()};
   parts.pop_back();
   for (std::size_t i = 0; i < run.size() && joins; ++i) {
     const auto taken = std::partition(parts.begin(), parts.end(),
-                                      [&](const ElementPart& part) { return !hang_together(mesh, run[i], part); });
+                                      [&](const ElementPart& part) { return !are_connected(mesh, run[i], part); });
     run.insert(run.end(), taken, parts.end());
     parts.erase(taken, parts.end());
   }

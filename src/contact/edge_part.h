@@ -28,12 +28,11 @@ struct EdgePoint {
   Index element;
 };
 
-/// The point that stands for what of an edge is inside elements: of the runs of its parts in elements that hang
-/// together, the one with its middle closest to the edge's; and of that run the middle.
+/// The point that represents the parts of an edge inside elements: of the runs of parts in connected elements, the one
+/// whose middle is closest to the edge's; of that run the middle.
 ///
-/// The part in a single element would not do: an edge that dips into a body from the side begins in an element of
-/// which it cuts off a sliver, at the body's rim. However little the edge is in, its sliver is still nearer to the
-/// side, and pushed out there.
+/// Why not the part in a single element: an edge that dips into a body from the side cuts a sliver off an element at
+/// the body's border. However shallow the edge is, the sliver is closer to the side, and would be pushed out there.
 ///
 /// @param parts  at least one, in any order
 /// @param joins  or else each part is a run of its own, as in SPB

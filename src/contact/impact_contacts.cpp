@@ -9,7 +9,7 @@ namespace selvage {
 
 namespace {
 
-/// Sines below this are rounding: the triangle is flat, the edges are parallel, the motion only grazes.
+/// Sine below which a triangle counts as flat, edges as parallel, a motion as grazing: rounding.
 constexpr double kFlat = 1e-10;
 /// Sine above which a triangle rises through a contact's plane, and not only bends or rounds to the other side.
 constexpr double kSteep = 0.5;
@@ -35,7 +35,7 @@ Vec3 weighted(const std::array<Vec3, N>& points, const std::array<double, N>& we
   return sum;
 }
 
-/// Turns a unit normal against the approach; leaves it as it is where there is hardly any along it.
+/// Turns a unit normal against the approach; leaves it where the approach is across it but for rounding.
 Vec3 against(const Vec3& normal, const Vec3& approach) {
   const double along = normal.dot(approach);
   return along > kFlat * approach.norm() ? Vec3(-normal) : normal;
@@ -55,10 +55,10 @@ Vec3 outer_side(const SurfaceStep& step, Index edge, double time) {
   return sum;
 }
 
-/// What a contact can push against where it meets a surface: the unit normal itself, where the triangles around are all
-/// behind its plane; where one rises through it steeply, the closest of the triangles' own. What rises so must have
-/// been met before: as when a body slides on a flat one and is pressed a little into it, so that its side seems to run
-/// into edges and vertices of the flat. Not held back by these, it is lifted off.
+/// The normal along which a contact can push on a surface: the given one where the triangles around are all behind its
+/// plane; where one rises steeply through it, the closest of the triangles' own normals. A body that slides on a flat
+/// one and is pressed a little into it seems to run with its side into edges and vertices of the flat. Its triangles
+/// rise through the plane: with their normals it is lifted off, not stopped.
 Vec3 fit_to_surface(const SurfaceStep& step, std::span<const Index> triangles, double time, const Vec3& point,
                     const Vec3& normal) {
   bool rises = false;
@@ -75,25 +75,25 @@ Vec3 fit_to_surface(const SurfaceStep& step, std::span<const Index> triangles, d
   return rises ? fitting : normal;
 }
 
-/// How far triangles reach through a plane [m].
-double reach_through(const SurfaceStep& step, std::span<const Index> triangles, double time, const Vec3& point,
+/// Depth of triangles in front of a plane [m].
+double depth_through(const SurfaceStep& step, std::span<const Index> triangles, double time, const Vec3& point,
                      const Vec3& normal) {
-  double farthest = 0;
+  double depth = 0;
   for (const Index t : triangles)
     for (const Vec3& corner : MovingSimplex<3>(step, step.surface.triangles()[t], time).at)
-      farthest = std::max(farthest, normal.dot(corner - point));
-  return farthest;
+      depth = std::max(depth, normal.dot(corner - point));
+  return depth;
 }
 
-/// The normal of two edges, fitted to the triangles of both. Where what fits the one does not fit the other, either of
-/// them has got a little into the other before: that one is lifted off which is in less deep.
+/// The normal of two edges, fitted to the triangles of both. Where the normal that fits one does not fit the other, one
+/// of them was pressed a little into the other before: the one that is in less deep is lifted off.
 Vec3 fit_to_edges(const SurfaceStep& step, EdgeEdgePair pair, double time, const Vec3& point, const Vec3& normal) {
   const auto first = step.surface.edge_triangles(pair.first), second = step.surface.edge_triangles(pair.second);
   const Vec3 fits_second = fit_to_surface(step, second, time, point, normal);
   const Vec3 fits_first = -fit_to_surface(step, first, time, point, -fits_second);
   if (fits_second == normal || fits_first == fits_second) return fits_first;
   const bool second_in_deeper =
-      reach_through(step, second, time, point, fits_first) > reach_through(step, first, time, point, -fits_second);
+      depth_through(step, second, time, point, fits_first) > depth_through(step, first, time, point, -fits_second);
   return second_in_deeper ? fits_second : fits_first;
 }
 
@@ -156,7 +156,7 @@ std::optional<Contact> edge_edge_contact(const SurfaceStep& step, EdgeEdgePair p
   std::optional<Vec3> normal;
   if (across.norm() > kFlat * u.norm() * v.norm()) {
     normal = direction(across);
-    // As a vertex's face gives its outer side: what is left alone where there is no approach.
+    // The outer side, as for a vertex and a face: it stays where there is no approach.
     if (normal && normal->dot(outer_side(step, pair.second, time) - outer_side(step, pair.first, time)) < 0)
       normal = -*normal;
     const Vec3 approach = weighted(first.velocity, of_first) - weighted(second.velocity, of_second);

@@ -4,7 +4,7 @@
 
 namespace selvage {
 
-/// Vertices of inverted elements. The surface at them lies where it should not: ContactOptions::wait_for_inverted.
+/// Vertices of inverted elements, at which the surface is no border of the body: ContactOptions::wait_for_inverted.
 class InvertedVertices {
  public:
   InvertedVertices() = default;
@@ -15,8 +15,8 @@ class InvertedVertices {
 
   bool empty() const { return vertices_.empty(); }
 
-  /// Whether any of some vertices that have a weight is one: a point of an edge has nothing to do with the third vertex
-  /// of a face.
+  /// Whether any of the vertices whose weight is not 0 is one. A point on an edge of a face does not depend on the
+  /// face's third vertex.
   template <typename Weights>
   bool has_any(std::span<const Index> vertices, const Weights& weights) const {
     if (empty()) return false;

@@ -29,7 +29,7 @@ std::array<Vec3, 2> extent_of(const std::array<Index, N>& vertices, std::span<co
   return extent;
 }
 
-/// Notes that something is in a list, once.
+/// Adds an index to a list, once.
 bool add_once(std::vector<std::uint8_t>& is_listed, Index i, std::vector<Index>& list) {
   if (std::exchange(is_listed[i], 1) != 0) return false;
   list.push_back(i);
@@ -93,7 +93,7 @@ void PenetrationSearch::suspect_crossings(PenetrationCounters& counters) {
   counters.crossings += std::ssize(crossings);
 }
 
-/// What meets an element that is inside out, and what may lie in elements around the same vertex.
+/// Faces at inverted elements, and at vertices whose elements may overlap each other.
 void PenetrationSearch::suspect_defects() {
   std::vector<Extent> defects;
   for (const Index e : paths_.defective_elements()) defects.push_back(extent_of(mesh_.elements()[e], positions_));
@@ -105,8 +105,8 @@ void PenetrationSearch::suspect_defects() {
   for (const Index v : find_overlapping_stars({boundary.begin(), boundary.end()})) suspect_around(v);
 }
 
-/// Of some vertices those around which elements may overlap, though all were positive. That a vertex is settled costs
-/// nothing to know; of those that are not, at creases and in hollows, nearly all can be proven element by element.
+/// Of some vertices, those whose elements may overlap, though all were positive. The path finder knows most locally
+/// injective vertices already. Of the others, at creases and in hollows, nearly all are proven element by element.
 std::vector<Index> PenetrationSearch::find_overlapping_stars(std::vector<Index> vertices) const {
   std::erase_if(vertices, [&](Index v) { return paths_.locally_injective_vertices()[v] != 0; });
   Flags is_apart(vertices.size(), 0);
@@ -214,7 +214,7 @@ std::vector<Penetration> PenetrationSearch::find_edges(std::span<const Index> ed
   return found;
 }
 
-/// Elements that may meet the boundary inside, or a defect, or that lie at an inner vertex that is not settled.
+/// Elements near crossings of the boundary, near defects, and at vertices that are not locally injective.
 std::vector<Index> PenetrationSearch::suspected_elements() const {
   std::vector<Extent> extents;
   for (const Index face : suspects_) extents.push_back(extent_of(surface_.triangles()[face], positions_));

@@ -13,21 +13,21 @@ struct Penetration {
   double middle = 0;  ///< of an edge: see middle_of_parts()
 };
 
-/// A point of the material, by the number of what it belongs to, and an element that holds it.
+/// A vertex, or an element by its centroid, and an element that holds it.
 struct PointInside {
   Index point;
   Index element;
 };
 
-/// What of a mesh has a part inside an element that shares no vertex with it.
+/// Boundary vertices and edges of a mesh with a part inside an element that shares no vertex with them.
 ///
 /// Boundary features are numbered: first boundary vertices in their order, then edges of the surface.
 ///
-/// Only what lies near a crossing of the boundary with itself is looked at. TetTraversal along an edge that is in
-/// another place of the material, too, and follow that place: either it comes to the boundary, which the edge then
-/// crosses, or the edge's end is inside as well. So starting from the faces that meet others, and going on from each
-/// vertex that is found inside to the faces around it, everything is reached, but for what lies at elements that are
-/// inside out, or at vertices whose elements may overlap each other: there all is looked at. See docs/contact.md.
+/// The search looks only near crossings of the boundary with itself. Take an edge with a part inside an element, and
+/// follow from there the material that lies in the same place: either it ends at the boundary, which the edge then
+/// crosses, or the end of the edge is inside as well. So the search starts from faces that meet others, and continues
+/// from each vertex that is inside to the faces around it. This reaches all but features at inverted elements, and at
+/// vertices whose elements may overlap each other; these are added. See docs/contact.md.
 class PenetrationSearch {
  public:
   /// @param with_edges  whether edges are features, too
@@ -43,12 +43,12 @@ class PenetrationSearch {
 
   /// Takes a new pose. O(n), parallel.
   void place(std::span<const Vec3> positions);
-  /// Makes paths() ready for that pose, of which the search seldom needs all.
+  /// Makes paths() ready for that pose. The search itself seldom needs all of it.
   void prepare_paths() { paths_.update_faces(); }
   const BoundaryPathFinder<3>& paths() const { return paths_; }
 
-  /// Every vertex with each element that holds it, every edge with the middle of what of it is inside and an element
-  /// that holds that; ascending. Elements on the boundary that are inverted hold nothing (SPB section 3.5).
+  /// Every vertex with each element that holds it; every edge with the middle of its part inside, and an element that
+  /// holds that middle; ascending. Elements on the boundary that are inverted hold nothing (SPB section 3.5).
   std::vector<Penetration> find_all(PenetrationCounters& counters);
 
   /// The same for features in ascending order.

@@ -5,8 +5,8 @@
 
 namespace selvage {
 
-/// Numbers the tangles of points inside elements: a point in an element of its own piece of the mesh is in one tangle
-/// with all such that share a vertex with it, directly or through others; every other point is in one of its own.
+/// Numbers the tangles of points inside elements. Points in elements of their own connected piece of the mesh are in
+/// one tangle where they share a vertex, directly or through others. Every other point is a tangle of its own.
 ///
 /// @param pieces  (n_elements) connected component; or empty: all points are in tangles of their own
 /// @return how many there are

@@ -38,9 +38,9 @@ class Parts {
     if (header_.magic != FrameHeader().magic) refuse("is no file of a run");
     if (header_.schema != 1) refuse(fmt::format("has schema {}, and 1 is known", header_.schema));
     if (header_.kind != static_cast<std::int32_t>(kind)) refuse("is another kind of file of a run");
-    constexpr std::int64_t kMost = std::int64_t{1} << 31;
+    constexpr std::int64_t kMaxCount = std::int64_t{1} << 31;
     for (const std::int64_t count : {header_.vertices, header_.elements, header_.frame})
-      if (count < 0 || count >= kMost) refuse("has an impossible count");
+      if (count < 0 || count >= kMaxCount) refuse("has an impossible count");
     next_ = sizeof header_;
   }
 

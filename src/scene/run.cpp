@@ -16,7 +16,7 @@ namespace selvage {
 
 namespace {
 
-/// Elements whose four vertices are held, by more than one handle: nothing can mend them while these hold on.
+/// Elements whose four vertices are held by two or more handles: until a release, only the handles move them.
 class HeldElements {
  public:
   explicit HeldElements(const Scene& scene) : scene_(scene) {
@@ -34,7 +34,7 @@ class HeldElements {
     }
   }
 
-  /// The first that is inside out, or kNone.
+  /// The first that is inverted, or kNone.
   Index find_inverted(const State& state) const {
     for (const Held& held : held_) {
       const auto& [a, b, c, d] = scene_.model.mesh.elements()[held.element];
@@ -96,10 +96,10 @@ void add_step(const StepStatistics& step, FrameStatistics& row) {
   row.seconds_steps += step.seconds;
 }
 
-/// A scene on its way from frame to frame.
-class Course {
+/// A scene and the solver that takes it from frame to frame.
+class SceneSimulation {
  public:
-  explicit Course(const Scene& scene)
+  explicit SceneSimulation(const Scene& scene)
       : scene_(scene), finder_(scene.model.mesh, scene.initial_state.positions), held_(scene) {}
 
   void measure(const State& state, std::int64_t frame, FrameStatistics& row) {
@@ -124,7 +124,7 @@ class Course {
     return row;
   }
 
-  Index find_torn_element(const State& state) const { return held_.find_inverted(state); }
+  Index find_inverted_held_element(const State& state) const { return held_.find_inverted(state); }
 
  private:
   XpbdSolver& solver_of(std::int64_t frame) {
@@ -152,20 +152,20 @@ void stop(RunReport& report, RunOutcome outcome, std::int64_t frame, const std::
 }
 
 /// Runs one frame; false when the run ends with it.
-bool advance(Course& course, std::int64_t frame, State& state, RunReport& report) {
+bool advance(SceneSimulation& simulation, std::int64_t frame, State& state, RunReport& report) {
   try {
-    report.frames.push_back(course.run_frame(state, frame));
+    report.frames.push_back(simulation.run_frame(state, frame));
   } catch (const SystemError&) {
     throw;
   } catch (const Error& error) {
     stop(report, RunOutcome::kExploded, frame, error.what());
     return false;
   }
-  const Index torn = course.find_torn_element(state);
-  if (torn == kNone) return true;
+  const Index inverted = simulation.find_inverted_held_element(state);
+  if (inverted == kNone) return true;
   report.frames.pop_back();
   stop(report, RunOutcome::kImpossibleHandles, frame,
-       fmt::format("handles turn element {} inside out, whose vertices they all hold", torn));
+       fmt::format("handles invert element {}, whose four vertices they hold", inverted));
   return false;
 }
 
@@ -194,20 +194,20 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
   RunReport report;
   State state = scene.initial_state;
   auto stopped = folder.find_stop();
-  Course course(scene);
+  SceneSimulation simulation(scene);
   folder.begin();
   if (stopped) {
     state = std::move(stopped->state);
     report.frames = std::move(stopped->rows);
     report.first_frame = stopped->frame;
   } else {
-    course.measure(state, 0, report.frames.emplace_back());
+    simulation.measure(state, 0, report.frames.emplace_back());
     store(folder, state, report.frames.back());
   }
   if (options.on_frame) options.on_frame(report.frames.back());
   const std::int64_t last = options.frames.value_or(scene.frames);
   for (std::int64_t frame = report.first_frame + 1; frame <= last; ++frame) {
-    if (!advance(course, frame, state, report)) break;
+    if (!advance(simulation, frame, state, report)) break;
     store(folder, state, report.frames.back());
     if (options.on_frame) options.on_frame(report.frames.back());
   }

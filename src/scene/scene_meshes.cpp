@@ -39,7 +39,7 @@ Eigen::Matrix3d read_matrix(const JsonValue& value) {
   if (rows.size() != 3) value.fail("is no matrix", "use [[a, b, c], [d, e, f], [g, h, i]]");
   Eigen::Matrix3d matrix;
   for (int row = 0; row < 3; ++row) matrix.row(row) = rows[static_cast<std::size_t>(row)].vector();
-  if (!(matrix.determinant() > 0)) value.fail("turns the mesh inside out", "use a matrix of positive determinant");
+  if (!(matrix.determinant() > 0)) value.fail("inverts the mesh", "use a matrix of positive determinant");
   return matrix;
 }
 
@@ -157,7 +157,7 @@ Placement read_placement(JsonObject& object) {
   Placement place;
   if (const auto v = object.find("scale")) {
     place.scale = v->json().is_number() ? Vec3(Vec3::Constant(v->number(kPositive))) : v->vector();
-    if (!(place.scale.minCoeff() > 0)) v->fail("turns the mesh inside out", "use a positive number or three");
+    if (!(place.scale.minCoeff() > 0)) v->fail("inverts the mesh", "use a positive number or three");
   }
   if (const auto v = object.find("rotate")) place.turn = read_turn(*v);
   if (const auto v = object.find("translate")) place.shift = v->vector();

@@ -21,6 +21,11 @@
 namespace selvage {
 namespace {
 
+template <typename Mesh>
+constexpr bool kTakesMesh = std::is_constructible_v<ContactFinder, Mesh, std::span<const Vec3>, std::span<const Vec3>>;
+static_assert(kTakesMesh<const TetMesh&> && kTakesMesh<TetMesh&>);
+static_assert(!kTakesMesh<TetMesh> && !kTakesMesh<const TetMesh>, "a temporary would not outlive the finder");
+
 using solids::Solid;
 using test::Random;
 using test::scaled;
@@ -377,7 +382,7 @@ TEST(ContactFinder, StatisticsAddUp) {
   EXPECT_LE(finder.statistics().pose_updates, 2) << "of this step alone";
 }
 
-/// A corner of a box in the place of other vertices turns elements flat and inside out. Their edges and centroids are
+/// A corner of a box in the place of other vertices flattens and inverts elements. Their edges and centroids are
 /// then inside others, and some end their way out where they are: on a face, by the same weights of the same vertices.
 TEST(ContactFinder, GivesNoContactWithoutVertices) {
   const Solid solid = solids::box({0, 0, 0}, {1, 1, 1}, 0.5);

@@ -23,18 +23,18 @@ TEST(InvertedVertices, AreThoseOfInvertedElements) {
   const std::vector<Index> suspects{1, 2}, others{0, 2};
   const InvertedVertices all(scraps(), scrap_positions()), some(scraps(), scrap_positions(), suspects);
   for (Index v = 0; v < 10; ++v)
-    for (const InvertedVertices* turned : {&all, &some})
-      EXPECT_EQ(turned->has_any(Vertices{v, 0}, Weights{1, 1}), v >= 3 && v <= 6) << v;
+    for (const InvertedVertices* inverted : {&all, &some})
+      EXPECT_EQ(inverted->has_any(Vertices{v, 0}, Weights{1, 1}), v >= 3 && v <= 6) << v;
   EXPECT_FALSE(all.empty());
   EXPECT_TRUE(InvertedVertices(scraps(), scrap_positions(), others).empty());
   EXPECT_TRUE(InvertedVertices().empty());
 }
 
 TEST(InvertedVertices, CountWhereTheyHaveAWeight) {
-  const InvertedVertices turned(scraps(), scrap_positions());
-  EXPECT_TRUE(turned.has_any(Vertices{0, 4}, Weights{0.5, 0.5}));
-  EXPECT_TRUE(turned.has_any(Vertices{0, 4}, Weights{2, -1}));
-  EXPECT_FALSE(turned.has_any(Vertices{0, 4}, Weights{1, 0}));
+  const InvertedVertices inverted(scraps(), scrap_positions());
+  EXPECT_TRUE(inverted.has_any(Vertices{0, 4}, Weights{0.5, 0.5}));
+  EXPECT_TRUE(inverted.has_any(Vertices{0, 4}, Weights{2, -1}));
+  EXPECT_FALSE(inverted.has_any(Vertices{0, 4}, Weights{1, 0}));
 }
 
 }  // namespace

@@ -60,7 +60,7 @@ TEST(Tangles, AreOnePointEachInOtherPieces) {
   EXPECT_EQ(scraps.number(false), (Numbers{0, 1, 2, 3, 4})) << "as every point, where no pieces are told";
 }
 
-bool any_turned(const TetMesh& mesh, std::span<const Vec3> positions, std::span<const Index> vertices) {
+bool any_inverted(const TetMesh& mesh, std::span<const Vec3> positions, std::span<const Index> vertices) {
   return std::any_of(vertices.begin(), vertices.end(), [&](Index v) {
     const auto around = mesh.vertex_elements(v);
     return std::any_of(around.begin(), around.end(),
@@ -70,8 +70,8 @@ bool any_turned(const TetMesh& mesh, std::span<const Vec3> positions, std::span<
 
 /// Of a boundary vertex or edge that is inside: an end of an edge that has no weight is not in the contact. Nor is one
 /// that the face has, too, with the same weight; that counts.
-bool has_turned_point(const TetMesh& mesh, std::span<const Vec3> positions, const TriangleMesh& surface,
-                      const Contact& contact) {
+bool has_inverted_point(const TetMesh& mesh, std::span<const Vec3> positions, const TriangleMesh& surface,
+                        const Contact& contact) {
   std::vector<Index> point{contact.point_feature};
   if (contact.kind == ContactKind::kEdgePath) {
     const auto& ends = surface.edges()[contact.point_feature];
@@ -82,11 +82,11 @@ bool has_turned_point(const TetMesh& mesh, std::span<const Vec3> positions, cons
   std::erase_if(point, [&](Index v) {
     return std::find(contact.vertices.begin(), end, v) == end && std::find(face.begin(), face.end(), v) == face.end();
   });
-  return any_turned(mesh, positions, point);
+  return any_inverted(mesh, positions, point);
 }
 
-bool has_turned_surface(const TetMesh& mesh, std::span<const Vec3> positions, const Contact& contact) {
-  return any_turned(mesh, positions, mesh.boundary_faces()[contact.surface_feature]);
+bool has_inverted_surface(const TetMesh& mesh, std::span<const Vec3> positions, const Contact& contact) {
+  return any_inverted(mesh, positions, mesh.boundary_faces()[contact.surface_feature]);
 }
 
 std::vector<Contact> contacts_of_step(const TetMesh& mesh, std::span<const Vec3> t0, std::span<const Vec3> t1,
@@ -115,7 +115,7 @@ TEST_P(Waiting, ContactsAreThoseOfInvertedElementsWithoutTangles) {
       motion.move(solid.positions, random);
       options.wait_for_inverted = false;
       std::vector<Contact> right = contacts_of_step(mesh, start, solid.positions, options);
-      std::erase_if(right, [&](const Contact& c) { return has_turned_point(mesh, start, surface, c); });
+      std::erase_if(right, [&](const Contact& c) { return has_inverted_point(mesh, start, surface, c); });
       options.wait_for_inverted = true;
       const std::vector<Contact> kept = contacts_of_step(mesh, start, solid.positions, options);
       ASSERT_EQ(kept.size(), right.size()) << motion.name;
@@ -164,8 +164,8 @@ class WaitingTangles : public testing::TestWithParam<DetectionMode> {
     rod.positions[vertex] += 1.1 * (sum / 3 - rod.positions[vertex]);
   }
 
-  bool has_turned_point(const Contact& contact) const {
-    return selvage::has_turned_point(mesh, rod.positions, surface, contact);
+  bool has_inverted_point(const Contact& contact) const {
+    return selvage::has_inverted_point(mesh, rod.positions, surface, contact);
   }
 
   IndexedMesh rod = make_knotted_rod();
@@ -182,7 +182,7 @@ TEST_P(WaitingTangles, AreThoseWithAnInvertedElement) {
   const std::vector<Contact> all = find(false), kept = find(true);
   EXPECT_GT(statistics.waiting_points, 0);
   EXPECT_GE(statistics.path_queries + statistics.waiting_points, std::ssize(all));
-  EXPECT_TRUE(std::none_of(kept.begin(), kept.end(), [&](const Contact& c) { return has_turned_point(c); }));
+  EXPECT_TRUE(std::none_of(kept.begin(), kept.end(), [&](const Contact& c) { return has_inverted_point(c); }));
   EXPECT_FALSE(kept.empty()) << "the other crossing";
   std::size_t next = 0, left_out = 0, for_others = 0;
   for (const Contact& contact : all) {
@@ -192,7 +192,7 @@ TEST_P(WaitingTangles, AreThoseWithAnInvertedElement) {
       continue;
     }
     ++left_out;
-    for_others += !has_turned_point(contact);
+    for_others += !has_inverted_point(contact);
   }
   EXPECT_EQ(next, kept.size()) << "contacts that are none without waiting";
   EXPECT_GT(left_out, 0);
@@ -205,7 +205,7 @@ TEST_P(WaitingTangles, LeaveByFacesAtInvertedElementsWhereAllIsFoundByDcd) {
   turn_element_of(mesh.boundary_faces()[contact.surface_feature][0]);
   const std::vector<Contact> all = find(false), kept = find(true);
   const auto leaves_there = [&](const Contact& c) {
-    return has_turned_surface(mesh, rod.positions, c) && !has_turned_point(c);
+    return has_inverted_surface(mesh, rod.positions, c) && !has_inverted_point(c);
   };
   const auto count = std::count_if(all.begin(), all.end(), leaves_there);
   EXPECT_GT(count, 0);

@@ -168,7 +168,7 @@ TEST(SceneReader, NamesWhatIsWrongWhereAndWhatIsAllowed) {
       {"/bodies/0/poses/0/matrix", "[[1,0,0],[0,1,0],[0,0,-1]]", {"bodies[0].poses[0].matrix", "positive determinant"}},
       {"/bodies/0/poses/0/matrix", "[[1,0,0]]", {"bodies[0].poses[0].matrix", "no matrix"}},
       {"/bodies/0/scale", "-1", {"bodies[0].scale", "above 0"}},
-      {"/bodies/0/scale", "[1, 0, 1]", {"bodies[0].scale", "inside out"}},
+      {"/bodies/0/scale", "[1, 0, 1]", {"bodies[0].scale", "inverts the mesh"}},
       {"/bodies/0/rotate/axis", "[0, 0, 0]", {"bodies[0].rotate.axis", "no direction"}},
       {"/bodies/0/rotate/degrees", "", {"bodies[0].rotate", "has no 'degrees'"}},
       {"/bodies/0/pinned/0/plane/normal", "", {"bodies[0].pinned[0].plane", "has no 'normal'"}},

@@ -4,10 +4,10 @@
 
 namespace selvage {
 
-/// What met what.
+/// The kind of the penetrating or moving point, and how it was detected.
 enum class ContactKind : std::uint8_t {
   kVertexPath,    ///< DCD: a vertex inside an element, with its shortest path out
-  kEdgePath,      ///< DCD: the middle of what of a boundary edge is inside elements, with its shortest path out
+  kEdgePath,      ///< DCD: the middle of the part of a boundary edge that is inside, with its shortest path out
   kCentroidPath,  ///< DCD: an element's centroid inside another element, with its shortest path out
   kVertexFace,    ///< CCD: a vertex ran into a face
   kEdgeEdge,      ///< CCD: two edges ran into each other
@@ -19,8 +19,8 @@ inline constexpr int kContactKinds = 5;
 ///     normal . (sum over i < count of weights[i] * x[vertices[i]]) >= 0.
 ///
 /// The weights of the point are positive and sum to 1, those of the surface are negative and sum to -1. A vertex of
-/// both is listed once, with the sum of its weights, so that all vertices differ and weights[i] * normal is the
-/// gradient at each; those whose weights are 0 are left out.
+/// both is listed once, with the sum of its weights; a vertex whose weight is 0 is left out. So all vertices differ,
+/// and weights[i] * normal is the gradient at each.
 struct Contact {
   static constexpr int kMaxVertices = 7;  ///< a centroid's four and a face's three
 
@@ -47,12 +47,12 @@ inline double gap_of(const Contact& contact, std::span<const Vec3> positions) {
   return contact.normal.dot(offset_of(contact, positions));
 }
 
-/// What detects contacts.
+/// Which detection finds contacts.
 enum class DetectionMode : std::uint8_t {
   kOff,
-  kCcd,     ///< every boundary vertex and edge by CCD: what is inside at the start of a step stays unseen
+  kCcd,     ///< every boundary vertex and edge by CCD; penetrations at the start of a step are not found
   kDcd,     ///< every point by DCD at the end of the step
-  kHybrid,  ///< SPB section 4: what is inside at the start of the step by DCD, all else by CCD
+  kHybrid,  ///< SPB section 4: points inside an element at the start of the step by DCD, all others by CCD
 };
 
 /// The boundary point that a penetrating point is sent to. All but the first are for comparison.
@@ -69,9 +69,10 @@ struct ContactOptions {
   /// Interior vertices and centroids of elements too, which undoes complete overlaps (SPB section 5.2): everything by
   /// DCD at the end of the step, whatever the mode (but for kOff).
   bool interior_points = false;
-  /// Points at a vertex of an element that is inverted at the start of the step wait, and impacts there, until the
-  /// material has turned it back: contacts would hold it. For kHybrid without interior points so does what is to leave
-  /// by a face there, and with each such point a piece's whole tangle with itself.
+  /// Gives no contacts to points and impacts at a vertex of an element that is inverted at the start of the step: the
+  /// contacts would keep the element inverted, and without them the material restores it. For kHybrid without interior
+  /// points this also leaves out points whose way out ends at such a vertex, and with each such point all of the tangle
+  /// in which a connected piece meets itself.
   bool wait_for_inverted = false;
   bool cull_infeasible_regions = true;  ///< SPB section 3.6; changes no contact
 };

@@ -11,7 +11,7 @@ namespace selvage {
 /// What the search for penetrating vertices and edges did. The same for any number of threads.
 struct PenetrationCounters {
   std::int64_t features = 0;         ///< boundary vertices and edges asked about
-  std::int64_t searched = 0;         ///< those near a crossing of the boundary with itself, which were looked for
+  std::int64_t searched = 0;         ///< those near a crossing of the boundary with itself, which were located
   std::int64_t elements_tested = 0;  ///< elements compared with an edge
   std::int64_t crossings = 0;        ///< pairs of boundary faces that meet
 
@@ -23,7 +23,7 @@ struct PenetrationCounters {
 struct ContactStatistics {
   std::array<std::int64_t, kContactKinds> contacts{};  ///< by ContactKind
 
-  /// Split at the start of the step, for kHybrid; the rest is free.
+  /// At the start of the step, for kHybrid; all others are free.
   std::int64_t penetrating_vertices = 0;
   std::int64_t penetrating_edges = 0;
 
@@ -45,9 +45,8 @@ struct ContactStatistics {
 /// Contacts of a tetrahedral mesh with itself during a step: of its objects with one another and each with itself.
 ///
 /// A step is begin_step() with the positions that it starts from, then find_contacts() with those that the solver of
-/// the material proposes. Any sequence of poses is legal, tangled and inverted ones too.
-/// Elements that have a vertex in common with a point are not compared with it: what touches by construction is no
-/// contact.
+/// the material proposes. Any sequence of positions is legal, tangled and inverted meshes too.
+/// A point is not compared with elements that share a vertex with it: neighbours that touch are no contact.
 ///
 /// Source: Chen, Diaz, Yuksel 2023 (SPB), section 4 and supplement, algorithm 5.
 class ContactFinder {

@@ -52,7 +52,7 @@ struct RunOptions {
 enum class RunOutcome : std::uint8_t {
   kFinished,
   kExploded,           ///< a position stopped being finite
-  kImpossibleHandles,  ///< handles turned an element inside out that they hold by all its vertices
+  kImpossibleHandles,  ///< handles inverted an element whose four vertices they hold
 };
 
 struct RunReport {

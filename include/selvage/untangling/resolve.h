@@ -7,7 +7,7 @@
 
 namespace selvage {
 
-/// How a mesh stands before an iteration: what is still wrong with it.
+/// Tangles of a mesh before an iteration.
 struct ResolveIteration {
   int iteration = 0;
   std::int64_t triangle_pairs = 0;  ///< of the boundary that meet (SelfCollisionFinder)
@@ -15,7 +15,7 @@ struct ResolveIteration {
   /// that is inside, centroids of elements.
   std::int64_t penetrating_vertices = 0, penetrating_edges = 0, penetrating_centroids = 0;
   std::int64_t blocked_points = 0;  ///< pairs of a point and an element that have no way out
-  /// Such pairs at elements that are inverted: they are neither asked for their way out nor counted above.
+  /// Such pairs at inverted elements: not counted above, for a point has no way out there.
   std::int64_t waiting_points = 0;
   std::int64_t inverted_elements = 0;
   double deepest = 0;               ///< longest way out [m]
@@ -37,24 +37,23 @@ struct ResolveOptions {
   /// How close surfaces that met may come again once all is out, as a part of the boundary's mean edge length at rest.
   double clearance = 0.05;
   int max_iterations = 2000;
-  int patience = 60;  ///< iterations without progress that mean: stuck
+  int patience = 60;  ///< iterations without progress after which the mesh counts as stuck
   std::function<void(const ResolveIteration&)> on_iteration{};
 };
 
 enum class ResolveOutcome : std::uint8_t {
   kResolved,  ///< nothing meets, nothing penetrates, no element is inverted
-  kStuck,     ///< no progress for as many iterations as the patience lasts
-  kGaveUp,    ///< the iterations did not suffice
+  kStuck,     ///< no progress for ResolveOptions::patience iterations
+  kGaveUp,    ///< ResolveOptions::max_iterations did not suffice
   kHeld,      ///< impossible: what is pinned meets itself or is inverted; nothing was moved
 };
 
 struct ResolveReport {
   ResolveOutcome outcome = ResolveOutcome::kResolved;
   std::vector<ResolveIteration> iterations;  ///< from the input, which is iteration 0, to the result
-  /// Unless resolved: those that still collide or are inverted; where they are held, those that the pins hold.
-  /// Ascending.
+  /// Unless resolved: elements that collide or are inverted; for kHeld, those that pinned vertices keep so. Ascending.
   std::vector<Index> tangled_elements;
-  std::vector<Index> holding_vertices;  ///< of these elements and their contacts those that are pinned; ascending
+  std::vector<Index> holding_vertices;  ///< pinned vertices of these elements and of their contacts; ascending
   std::int64_t moved_vertices = 0;
   double max_displacement = 0, mean_displacement = 0;  ///< over all vertices [m]
   double volume_before = 0, volume_after = 0;          ///< of all elements [m^3]
@@ -64,19 +63,19 @@ struct ResolveReport {
 
 /// Moves a tangled mesh, at rest, to a state without self-collision.
 ///
-/// Every vertex, edge and centroid that is inside an element goes the shortest path to the boundary while an elastic
-/// material keeps the shape (SPB section 5.2: no CCD, all points); crossings take one side. What this turns inside out
-/// is turned back at once. Then the material comes to rest as far as all stays out. Nothing has a velocity: each
-/// iteration relaxes from where vertices are. Only vertices near a tangle may move; what they move wakes its
-/// neighbours. All others, and so every vertex of a mesh that is not tangled, keep their positions bit for bit. The
-/// same bits for any number of threads.
+/// Every vertex, edge and centroid that is inside an element takes the shortest path to the boundary while an elastic
+/// material keeps the shape (SPB section 5.2: no CCD, all points). All contacts of one crossing push to one side.
+/// Elements that this inverts are restored at once. Then the material relaxes as far as no collision comes back. There
+/// are no velocities: each iteration starts from where vertices are. Only vertices near a tangle move; where they have
+/// moved, the next iteration moves their neighbours too. All others, and so every vertex of a mesh that is not tangled,
+/// keep their positions bit for bit. The same bits for any number of threads.
 ///
 /// @param mesh       topology, all objects in one
 /// @param positions  (n_vertices x 3) [m]; moved, also where the mesh is not resolved
 /// @throws Error     when sizes differ, a position is not finite, an element is not positive at rest, or an option is
 ///                   impossible; it names which
 ///
-/// Source: Chen, Diaz, Yuksel 2023 (SPB), section 5.2; for what is inside out Garanzha et al. 2021, Foldover-free maps.
+/// Source: Chen, Diaz, Yuksel 2023 (SPB), section 5.2; for inverted elements Garanzha et al. 2021, Foldover-free maps.
 ResolveReport resolve_collisions(const TetMesh& mesh, std::vector<Vec3>& positions, const ResolveOptions& options = {});
 
 }  // namespace selvage
