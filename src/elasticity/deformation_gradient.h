@@ -18,4 +18,18 @@ inline double element_volume(const VertexTuple<4>& element, std::span<const Vec3
   return element_edges(element, positions).determinant() / 6;
 }
 
+/// Change of the deformation gradient by one vertex: where vertex k moves by x, F changes by x b^T, with b returned.
+///
+/// @param inverse_edges  inverse of the rest edges: F is the present edges times it
+inline Vec3 vertex_gradient(const Eigen::Matrix3d& inverse_edges, std::ptrdiff_t k) {
+  return k > 0 ? Vec3(inverse_edges.row(k - 1).transpose()) : Vec3(-inverse_edges.colwise().sum().transpose());
+}
+
+/// Cofactors of a deformation gradient: the derivative of its determinant.
+inline Eigen::Matrix3d cofactors_of(const Eigen::Matrix3d& f) {
+  Eigen::Matrix3d cofactors;
+  cofactors << f.col(1).cross(f.col(2)), f.col(2).cross(f.col(0)), f.col(0).cross(f.col(1));
+  return cofactors;
+}
+
 }  // namespace selvage

@@ -5,15 +5,20 @@
 
 namespace selvage {
 
-double element_energy(const VertexTuple<4>& element, std::span<const Vec3> rest, std::span<const Vec3> positions,
-                      double poisson_ratio) {
-  const Eigen::Matrix3d rest_edges = element_edges(element, rest);
-  const Eigen::Matrix3d gradient = element_edges(element, positions) * rest_edges.inverse();
-  const auto [mu, lambda] = lame_parameters(1, poisson_ratio);
-  const double growth = gradient.determinant() - 1;
-  // Written out from rest, where the terms that cancel are large.
-  const double density = mu / 2 * (gradient.squaredNorm() - 3) - mu * growth + (lambda + mu) / 2 * growth * growth;
-  return density * rest_edges.determinant() / 6;
+NeoHookean NeoHookean::of(double youngs_modulus, double poisson_ratio) {
+  const auto [mu, lambda] = lame_parameters(youngs_modulus, poisson_ratio);
+  return {mu, lambda};
+}
+
+// By J - 1, not by J: near rest the large terms cancel.
+double NeoHookean::energy_density(const Eigen::Matrix3d& f) const {
+  const double growth = f.determinant() - 1;
+  return mu / 2 * (f.squaredNorm() - 3) - mu * growth + (lambda + mu) / 2 * growth * growth;
+}
+
+Eigen::Matrix3d NeoHookean::first_piola(const Eigen::Matrix3d& f) const {
+  const double growth = f.determinant() - 1;
+  return mu * f + ((lambda + mu) * growth - mu) * cofactors_of(f);
 }
 
 }  // namespace selvage

@@ -297,7 +297,7 @@ TEST(Colliders, PushWhatTheyRunInto) {
   State state = make_state(model, model.rest_positions);
   MeshShape block = cube(0.4);
   for (Vec3& p : block.positions) p = Vec3(p[0] - 0.2, p[1] - 0.2, 3 * p[2] - 0.6);
-  // Turned by a right angle on the way.
+  // It turns by a right angle on the way.
   const Motion motion{{{0, Vec3(0, 0, 0), 0}, {1, Vec3(1, 0, 0), M_PI / 2}}};
   XpbdSolver solver(model, state, {}, {{PlaneShape{}}, {block, motion, {0, 0}}}, without_contact());
   for (int i = 0; i < 300; ++i) solver.step(state);
@@ -327,7 +327,7 @@ MeshShape moved_by(MeshShape shape, double size, const Vec3& offset) {
   return shape;
 }
 
-MeshShape turned_inwards(MeshShape shape) {
+MeshShape facing_inwards(MeshShape shape) {
   for (auto& triangle : shape.triangles) std::swap(triangle[0], triangle[1]);
   return shape;
 }
@@ -353,7 +353,7 @@ TEST(Colliders, TakeTrianglesWithVerticesOfTheirOwn) {
 TEST(Colliders, FaceOutwards) {
   const Model model = make(make_box({0.2, 0.2, 0.2}, 0.2), neo_hookean(1e5));
   const State state = make_state(model, model.rest_positions);
-  const MeshShape hollow = turned_inwards(moved_by(cube(1), 0.5, Vec3::Constant(0.25)));
+  const MeshShape hollow = facing_inwards(moved_by(cube(1), 0.5, Vec3::Constant(0.25)));
   const MeshShape far = moved_by(cube(1), 0.5, Vec3::Constant(7));
   MeshShape half = cube(1);
   std::swap(half.triangles[0][0], half.triangles[0][1]);
@@ -370,9 +370,9 @@ TEST(Colliders, FaceOutwards) {
   EXPECT_TRUE(accepts(joined(hollow, cube(1))));
   EXPECT_TRUE(accepts(joined(cube(1), far)));
   EXPECT_TRUE(accepts(moved_by(cube(1), 1e-9, Vec3::Constant(7))));
-  EXPECT_FALSE(accepts(turned_inwards(cube(1))));
-  EXPECT_FALSE(accepts(torn(turned_inwards(cube(1)))));
-  EXPECT_FALSE(accepts(joined(cube(1), turned_inwards(far))));
+  EXPECT_FALSE(accepts(facing_inwards(cube(1))));
+  EXPECT_FALSE(accepts(torn(facing_inwards(cube(1)))));
+  EXPECT_FALSE(accepts(joined(cube(1), facing_inwards(far))));
   EXPECT_FALSE(accepts(half));
 }
 

@@ -40,7 +40,7 @@ TEST(Equilibrium, OfAHangingBarIsTheFormulas) {
   }
 }
 
-/// The force on each vertex by the elastic energy, written down anew from its formula by finite differences.
+/// Elastic energy of an element, written anew from the formula in Macklin and Mueller [J].
 double energy_of(const Model& model, const std::vector<Vec3>& positions, Index element) {
   const auto& e = model.mesh.elements()[element];
   const Material& m = model.bodies[0].material;

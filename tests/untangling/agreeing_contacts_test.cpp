@@ -1,4 +1,4 @@
-#include "untangling/agreeing_contacts.h"
+#include "untangling/solids/agreeing_contacts.h"
 
 #include "selvage/shapes/shapes.h"
 

@@ -1,4 +1,4 @@
-#include "untangling/held_elements.h"
+#include "untangling/solids/held_elements.h"
 
 #include "selvage/shapes/poses.h"
 #include "selvage/shapes/shapes.h"
@@ -36,7 +36,7 @@ struct Boxes {
 
 constexpr auto kAll = [](Index) { return true; };
 
-TEST(HeldElements, AreThoseAtWhatMeets) {
+TEST(HeldElements, AreThoseOfFacesThatMeet) {
   const Boxes boxes({0.83, 0.1, 0.07});
   const std::vector<Index> held = boxes.held(kAll);
   ASSERT_FALSE(held.empty());
@@ -45,7 +45,7 @@ TEST(HeldElements, AreThoseAtWhatMeets) {
   for (const Index e : held) EXPECT_TRUE(boxes.is_near_overlap(e, 0.7, 1.1)) << e;
 }
 
-TEST(HeldElements, AreNoneWhereOneSideMayGo) {
+TEST(HeldElements, AreNoneWhereOneSideMayMove) {
   const Boxes boxes({0.83, 0.1, 0.07});
   EXPECT_TRUE(boxes.held([&](Index v) { return v < boxes.second; }).empty());
   EXPECT_TRUE(boxes.held([&](Index v) { return v >= boxes.second; }).empty());

@@ -1,4 +1,4 @@
-#include "untangling/limb_ends.h"
+#include "untangling/solids/limb_ends.h"
 
 #include "selvage/shapes/shapes.h"
 
@@ -67,7 +67,7 @@ TEST(LimbEnds, ReachAcrossOtherRegions) {
   EXPECT_GT(ends.at(1).way[0], 0.9);
 }
 
-TEST(LimbEnds, AreNotCrumbsBetweenTheRegionsVertices) {
+TEST(LimbEnds, AreNotVerticesInBetweenThoseOfTheRegion) {
   const Solid b = bar();
   std::vector<Index> regions = b.region_of([](const Vec3& x) { return std::abs(x[0] - 1) < 0.4; });
   for (std::size_t v = 0; v < regions.size(); ++v)

@@ -1,4 +1,4 @@
-#include "untangling/uninvert_elements.h"
+#include "untangling/solids/uninvert_elements.h"
 
 #include "mesh/find_inverted.h"
 #include "selvage/shapes/shapes.h"
@@ -35,7 +35,7 @@ struct PiercedBlock : Block {
   PiercedBlock() { pierced[0] = Vec3(0.6, 0.6, 0.6); }
 };
 
-TEST(UninvertElements, LeavesAloneWhatIsUpright) {
+TEST(UninvertElements, KeepsPositiveElements) {
   const Block block;
   std::vector<Vec3> positions = shaken(block.rest, 0.01, 1);
   const std::vector<Vec3> before = positions;
@@ -43,7 +43,7 @@ TEST(UninvertElements, LeavesAloneWhatIsUpright) {
   EXPECT_EQ(positions, before);
 }
 
-TEST(UninvertElements, TurnsBackAVertexPushedThroughTheBlockAndMovesNothingFarAway) {
+TEST(UninvertElements, RestoresAVertexPushedThroughTheBlockAndMovesNothingFarAway) {
   const PiercedBlock block;
   std::vector<Vec3> positions = block.pierced;
   const std::vector<Vec3>& before = block.pierced;
@@ -58,7 +58,7 @@ TEST(UninvertElements, TurnsBackAVertexPushedThroughTheBlockAndMovesNothingFarAw
     }
 }
 
-TEST(UninvertElements, TurnsManyAtOnce) {
+TEST(UninvertElements, RestoresManyAtOnce) {
   const Block block;
   for (unsigned seed = 0; seed < 10; ++seed) {
     std::vector<Vec3> positions = shaken(block.rest, 0.15, seed);
@@ -68,7 +68,7 @@ TEST(UninvertElements, TurnsManyAtOnce) {
   }
 }
 
-// Regions apart are turned side by side.
+// Separate regions are restored in parallel.
 TEST(UninvertElements, GivesTheSameBitsForAnyNumberOfThreads) {
   const IndexedMesh file = make_box(Vec3(4, 1, 1), 0.2);
   const TetMesh mesh(static_cast<Index>(file.positions.size()), file.tetrahedra);
@@ -91,7 +91,7 @@ TEST(UninvertElements, GivesTheSameBitsForAnyNumberOfThreads) {
 }
 
 // Elements that are all but flat at rest give way to a thickness that others can live with.
-TEST(UninvertElements, TurnsWhatIsAlmostFlatAtRest) {
+TEST(UninvertElements, RestoresElementsThatAreAlmostFlatAtRest) {
   Block block;
   std::vector<Vec3> rest = block.rest;
   for (Vec3& p : rest) p[2] *= 1e-7;
@@ -102,7 +102,7 @@ TEST(UninvertElements, TurnsWhatIsAlmostFlatAtRest) {
   EXPECT_TRUE(uninvert_elements(block.mesh, rest, inverted, block.anywhere, positions).empty());
 }
 
-TEST(UninvertElements, MovesOnlyWhatMayGo) {
+TEST(UninvertElements, MovesOnlyFreeVertices) {
   const PiercedBlock block;
   std::vector<Vec3> positions = block.pierced;
   const std::vector<Vec3>& before = block.pierced;

@@ -1,4 +1,4 @@
-#include "untangling/vertex_regions.h"
+#include "untangling/solids/vertex_regions.h"
 
 #include "selvage/shapes/shapes.h"
 
@@ -21,7 +21,7 @@ TEST(VertexRegions, AreThePiecesOfAMesh) {
 }
 
 // A path of elements from one to the other shows that two are of one region: found anew by spreading, ring by ring.
-TEST(VertexRegions, HangTogetherByVerticesOfTheirOwnAlone) {
+TEST(VertexRegions, AreConnectedByTheirOwnVerticesAlone) {
   const IndexedMesh file = make_box(Vec3(4, 1, 1), 0.25);
   const TetMesh mesh(static_cast<Index>(file.positions.size()), file.tetrahedra);
   std::vector<Index> vertices;  // without a slab in the middle, in an order of its own

@@ -1,8 +1,8 @@
-#include "untangling/held_elements.h"
+#include "untangling/solids/held_elements.h"
 
 #include "mesh/find_inverted.h"
 #include "selvage/self_collision/self_collision.h"
-#include "untangling/tangle_finder.h"
+#include "untangling/solids/tangle_finder.h"
 
 #include <algorithm>
 
@@ -10,7 +10,7 @@ namespace selvage {
 
 namespace {
 
-/// What has all its vertices pinned, and the elements that it is of.
+/// Elements and faces whose vertices are all pinned, and the elements that they belong to.
 struct PinnedParts {
   std::vector<VertexTuple<4>> elements;
   std::vector<VertexTuple<3>> faces;  ///< of any elements, inner ones twice

@@ -1,9 +1,10 @@
-#include "untangling/uninvert_elements.h"
+#include "untangling/solids/uninvert_elements.h"
 
 #include "core/parallel.h"
 #include "elasticity/deformation_gradient.h"
+#include "elasticity/foldover.h"
 #include "mesh/find_inverted.h"
-#include "untangling/vertex_regions.h"
+#include "untangling/solids/vertex_regions.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -17,11 +18,12 @@ namespace {
 
 constexpr int kSweeps = 20;
 constexpr int kHalvings = 12;
-/// Of the longest direction of an element's shape, in that of a regular one: thinner ones are taken to be so thick.
+/// Least thickness of a target, as a part of its longest direction, where a regular element has 1.
 constexpr double kMinThickness = 0.1;
-/// How far the energy is finite inside out, as a part of the most inverted element's volume, squared.
-constexpr double kReachShare = 0.04;
-constexpr double kMinSquaredReach = 1e-8;
+/// FoldoverEnergy::squared_epsilon, as a part of the squared relative volume of the most inverted element, and at
+/// least.
+constexpr double kEpsilonShare = 0.04;
+constexpr double kMinSquaredEpsilon = 1e-8;
 
 /// Edges of a regular element, as columns.
 Eigen::Matrix3d regular_edges() {
@@ -30,8 +32,8 @@ Eigen::Matrix3d regular_edges() {
   return edges;
 }
 
-/// An element that is not nearly flat, as close to the one at rest as can be: its inverse edges, but for a rotation,
-/// which no energy sees.
+/// Inverse edges of the element's target: of its rest shape, or the closest one that is not nearly flat. Up to a
+/// rotation, which changes no energy.
 Eigen::Matrix3d inverse_target(const VertexTuple<4>& element, std::span<const Vec3> rest) {
   static const Eigen::Matrix3d inverse_regular = regular_edges().inverse();
   const Eigen::Matrix3d shape = element_edges(element, rest) * inverse_regular;
@@ -43,7 +45,7 @@ Eigen::Matrix3d inverse_target(const VertexTuple<4>& element, std::span<const Ve
   return inverse_regular * directions * squared.cwiseSqrt().cwiseInverse().asDiagonal();
 }
 
-/// Vertices that share elements, and so must move one after the other, but apart from all others.
+/// Vertices connected by elements: they move one after the other, and separate clusters in parallel.
 using Cluster = std::vector<Index>;
 
 /// The elements around the vertices that move.
@@ -95,7 +97,7 @@ class Patch {
         .volume;
   }
 
-  void set_squared_reach(double squared) { squared_reach_ = squared; }
+  void set_energy(const FoldoverEnergy& energy) { energy_ = energy; }
 
   /// Moves a vertex down the energy of its elements.
   void move(Index vertex, const Freedom& freedom) const {
@@ -114,7 +116,7 @@ class Patch {
  private:
   static constexpr std::int64_t kElementsAtOnce = 128;
 
-  /// Where a vertex wants to go, and its energy.
+  /// The energy of the elements of a vertex, and its derivatives by the position.
   struct Descent {
     double energy = 0;
     Vec3 slope = Vec3::Zero();
@@ -140,36 +142,25 @@ class Patch {
     return sum;
   }
 
-  // The volume is linear in each vertex.
   void add_element(std::int64_t i, Index vertex, bool with_slope, Descent& sum) const {
     const Eigen::Matrix3d f = gradient(i);
-    const double volume = f.determinant(), root = std::sqrt(volume * volume + squared_reach_);
-    // The larger of two that are the same but for rounding.
-    const double chi = volume > 0 ? (volume + root) / 2 : squared_reach_ / (2 * (root - volume));
-    const double chi_2_3 = std::cbrt(chi * chi);
-    const double shape = f.squaredNorm() / chi_2_3, size = (volume * volume + 1) / chi;
-    sum.energy += shape + size;
-    if (!with_slope) return;
+    if (!with_slope) {
+      sum.energy += energy_.energy_density(f);
+      return;
+    }
     const auto& corners = mesh_.elements()[elements_[i]];
     const auto k = std::find(corners.begin(), corners.end(), vertex) - corners.begin();
-    const Eigen::Matrix3d& inverse = inverse_targets_[i];
-    const Vec3 b = k > 0 ? Vec3(inverse.row(k - 1).transpose()) : Vec3(-inverse.colwise().sum().transpose());
-    Eigen::Matrix3d cofactors;
-    cofactors << f.col(1).cross(f.col(2)), f.col(2).cross(f.col(0)), f.col(0).cross(f.col(1));
-    const Vec3 c = cofactors * b;
-    const double chi_1 = (1 + volume / root) / 2, scale = 1 / chi_2_3;
-    const double by_volume = -2.0 / 3 * shape / chi * chi_1 + 2 * volume / chi - size / chi * chi_1;
-    sum.slope += 2 * scale * f * b + by_volume * c;
-    const double steep = chi_1 / chi;
-    sum.curvature += 2 * scale * b.squaredNorm() * Eigen::Matrix3d::Identity() +
-                     (10.0 / 9 * shape * steep * steep + 2 * size * steep * steep) * c * c.transpose();
+    const auto at = energy_.by_vertex(f, vertex_gradient(inverse_targets_[i], k));
+    sum.energy += at.energy;
+    sum.slope += at.gradient;
+    sum.curvature += at.hessian;
   }
 
   const TetMesh& mesh_;
   std::span<Vec3> positions_;
   std::vector<Index> vertices_, elements_;
   std::vector<Eigen::Matrix3d> inverse_targets_;
-  double squared_reach_ = 1;
+  FoldoverEnergy energy_;
 };
 
 }  // namespace
@@ -181,7 +172,7 @@ std::vector<Index> uninvert_elements(const TetMesh& mesh, std::span<const Vec3> 
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     const double least = patch.least_volume();
     if (least > 0) break;
-    patch.set_squared_reach(kMinSquaredReach + kReachShare * least * least);
+    patch.set_energy({.squared_epsilon = kMinSquaredEpsilon + kEpsilonShare * least * least});
     parallel_for(std::ssize(clusters), 1, [&](std::int64_t c) {
       for (const Index v : clusters[c]) patch.move(v, freedom);
     });

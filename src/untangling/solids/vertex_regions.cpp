@@ -1,4 +1,4 @@
-#include "untangling/vertex_regions.h"
+#include "untangling/solids/vertex_regions.h"
 
 #include <algorithm>
 

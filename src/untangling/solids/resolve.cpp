@@ -1,12 +1,12 @@
 #include "selvage/untangling/resolve.h"
 
-#include "elasticity/deformation_gradient.h"
+#include "elasticity/element_energy.h"
 #include "elasticity/neo_hookean.h"
 #include "mesh/find_inverted.h"
 #include "selvage/core/error.h"
-#include "untangling/held_elements.h"
-#include "untangling/relaxation.h"
-#include "untangling/tangle_finder.h"
+#include "untangling/solids/held_elements.h"
+#include "untangling/solids/relaxation.h"
+#include "untangling/solids/tangle_finder.h"
 
 #include <fmt/format.h>
 
@@ -18,25 +18,26 @@ namespace selvage {
 
 namespace {
 
-/// Iterations, at most, in which the material comes to rest once all are out, and so many without a better rest.
-constexpr int kSettling = 60, kSettled = 10;
+/// Iterations in which the material relaxes once no point is inside: in all, and without progress.
+constexpr int kMaxRelaxations = 60, kRelaxationPatience = 10;
 /// Iterations without progress after which the material yields.
 constexpr int kYield = 10;
-/// Part by which something must have become less to be progress.
+/// Part by which a number must have become less to count as progress.
 constexpr double kProgress = 0.01;
 
-/// How often what gets inside again is taken back; by how many halvings of its way each time; and so many are all of
-/// it.
-constexpr int kRetreats = 12, kRetreat = 2, kWholeWay = 4;
+/// Rounds in which moves that cause new collisions are halved.
+constexpr int kMaxRetreats = 12;
+/// Halvings of a move in one round, and those from which on the move is undone.
+constexpr int kHalvingsPerRetreat = 2, kUndoneMove = 4;
 
 void make_set(std::vector<Index>& list) {
   std::sort(list.begin(), list.end());
   list.erase(std::unique(list.begin(), list.end()), list.end());
 }
 
-/// Lets neighbours differ by one at most.
+/// Raises halvings until those of neighbours differ by one at most.
 void grade(const TetMesh& mesh, std::span<int> halvings) {
-  for (int level = kWholeWay; level > 1; --level)
+  for (int level = kUndoneMove; level > 1; --level)
     for (const auto& element : mesh.elements())
       if (std::any_of(element.begin(), element.end(), [&](Index v) { return halvings[v] == level; }))
         for (const Index v : element) halvings[v] = std::max(halvings[v], level - 1);
@@ -73,7 +74,7 @@ class Resolver {
   ResolveOutcome untangle(ResolveReport& report);
   void yield();
   bool may_start_anew() const;
-  void settle(ResolveReport& report);
+  void relax_to_rest(ResolveReport& report);
   void report_iteration(ResolveReport& report, const ResolveIteration& now) const;
   bool has_improved(const ResolveIteration& now);
   bool has_spread(const ResolveIteration& now);
@@ -85,7 +86,7 @@ class Resolver {
   std::vector<Index> find_tangled_vertices() const;
   ResolveIteration retreat(std::span<const Vec3> clean, int iteration);
 
-  /// The least of each number, and the most vertices that were awake.
+  /// The least of each number so far, and the largest number of awake vertices.
   struct Best {
     double triangle_pairs = HUGE_VAL, penetrating_vertices = HUGE_VAL, total_depth = HUGE_VAL;
     double inverted_elements = HUGE_VAL, drawn_vertices = HUGE_VAL;
@@ -113,7 +114,7 @@ ResolveIteration Resolver::measure(int iteration) {
   return now;
 }
 
-/// Whether anything that is wrong has become less than it ever was. While points wait, not all that is inside is known.
+/// Whether any number has become less than it ever was. While points wait, those of penetrations are incomplete.
 bool Resolver::has_improved(const ResolveIteration& now) {
   bool improved = false;
   const auto compare = [&](double& best, auto value) {
@@ -123,7 +124,7 @@ bool Resolver::has_improved(const ResolveIteration& now) {
   };
   compare(best_.triangle_pairs, now.triangle_pairs);
   compare(best_.inverted_elements, now.inverted_elements);
-  // For as long as an end is drawn through a crossing, nothing else may change.
+  // While an end is drawn through a crossing, the other numbers may stay the same.
   if (body_->drawn_vertices() > 0) compare(best_.drawn_vertices, body_->drawn_vertices());
   if (now.waiting_points > 0) return improved;
   compare(best_.penetrating_vertices, now.penetrating_vertices);
@@ -131,7 +132,7 @@ bool Resolver::has_improved(const ResolveIteration& now) {
   return improved;
 }
 
-/// Whether more of the mesh gives way than ever.
+/// Whether more vertices are awake than ever.
 bool Resolver::has_spread(const ResolveIteration& now) {
   const auto awake = static_cast<double>(now.awake_vertices);
   if (!((1 - kProgress) * awake > best_.awake_vertices)) return false;
@@ -164,8 +165,8 @@ std::vector<Index> Resolver::find_tangled_elements() const {
 
 double Resolver::total_energy(std::span<const Vec3> positions) const {
   double energy = 0;
-  for (const auto& e : mesh_.elements())
-    energy += element_energy(e, rest_, positions, body_->model().bodies[0].material.poisson_ratio);
+  const NeoHookean material = NeoHookean::of(1, body_->model().bodies[0].material.poisson_ratio);
+  for (const auto& e : mesh_.elements()) energy += element_energy(material, e, rest_, positions);
   return energy;
 }
 
@@ -186,7 +187,7 @@ void Resolver::fill_report(ResolveReport& report) const {
   report.elastic_energy_after = total_energy(positions_);
 }
 
-/// What is in the way, and which of it must not move.
+/// The elements that collide, and their pinned vertices.
 void Resolver::fill_tangle(ResolveReport& report) const {
   std::vector<Index> vertices;
   if (report.outcome == ResolveOutcome::kHeld) {
@@ -207,17 +208,16 @@ void Resolver::report_iteration(ResolveReport& report, const ResolveIteration& n
   if (options_.on_iteration) options_.on_iteration(now);
 }
 
-/// The material takes the shape that it has now for its rest: it would pull back for ever into creases that overlap at
-/// rest, and where contacts and material pull against each other neither wins. Nothing is awake after that but what is
-/// pushed.
+/// Takes the present shape as the rest shape. Creases that overlap at rest would pull back in for ever, and where
+/// contacts and material pull against each other neither gives way. After that, only vertices of contacts are awake.
 void Resolver::yield() {
   if (!body_->inverted().empty()) return;
   body_.emplace(mesh_, positions_, positions_, input_, options_);
   has_yielded_ = true;
 }
 
-/// A rest shape that was given may drive the tangle ever deeper, as one that is much larger does: then once more, with
-/// the input at rest.
+/// Whether to begin again with the input as the rest shape. A given rest shape may drive the tangle ever deeper, as one
+/// that is much larger does.
 bool Resolver::may_start_anew() const {
   return !has_yielded_ && !options_.rest_positions.empty() && find_inverted(mesh_, input_).empty();
 }
@@ -249,23 +249,24 @@ ResolveOutcome Resolver::untangle(ResolveReport& report) {
   }
 }
 
-/// Takes what has got inside back towards where all was out, its neighbours less so, and leaves the rest where it has
-/// come to: a few places that are tight would otherwise hold all of the mesh.
+/// Moves vertices that collide again back towards positions without collision, their neighbours by less, and leaves all
+/// others: else a few tight places would stop the whole mesh.
 ResolveIteration Resolver::retreat(std::span<const Vec3> clean, int iteration) {
   ResolveIteration now = measure(iteration);
   if (now.is_clean()) return now;
   body_->hold(tangle_.contacts());
   const std::vector<Vec3> goal = positions_;
   std::vector<int> halvings(goal.size(), 0);
-  for (int round = 0; round < kRetreats && !now.is_clean(); ++round) {
-    for (const Index v : find_tangled_vertices()) halvings[v] = std::min(halvings[v] + kRetreat, kWholeWay);
+  for (int round = 0; round < kMaxRetreats && !now.is_clean(); ++round) {
+    for (const Index v : find_tangled_vertices())
+      halvings[v] = std::min(halvings[v] + kHalvingsPerRetreat, kUndoneMove);
     grade(mesh_, halvings);
     std::vector<Vec3> between = goal;
     for (std::size_t v = 0; v < goal.size(); ++v) {
       if (halvings[v] == 0) continue;
-      const double part = halvings[v] < kWholeWay ? std::ldexp(1, -halvings[v]) : 0;
+      const double part = halvings[v] < kUndoneMove ? std::ldexp(1, -halvings[v]) : 0;
       between[v] = clean[v] + part * (goal[v] - clean[v]);
-      // By rounding.
+      // It may by rounding.
       if ((between[v] - input_[v]).norm() > options_.max_displacement) between[v] = clean[v];
     }
     body_->place(between);
@@ -275,16 +276,16 @@ ResolveIteration Resolver::retreat(std::span<const Vec3> clean, int iteration) {
   return now;
 }
 
-/// Lets the material come to rest, ever closer to the clearance that was asked for. What gets inside again is held from
-/// then on. The best of what was clean on the way stays.
-void Resolver::settle(ResolveReport& report) {
+/// Relaxes the material while the distance of surfaces that met shrinks to the clearance that was asked for. Points
+/// that get inside again have contacts from then on. The state of least energy without collision is kept.
+void Resolver::relax_to_rest(ResolveReport& report) {
   std::vector<Vec3> clean = positions_, best = positions_;
   double least = total_energy(positions_);
   if (has_yielded_) {
     body_.emplace(mesh_, positions_, rest_, input_, options_);
     body_->wake_displaced();
   }
-  for (int i = 0, waited = 0; i < kSettling && waited < kSettled; ++i, ++waited) {
+  for (int i = 0, waited = 0; i < kMaxRelaxations && waited < kRelaxationPatience; ++i, ++waited) {
     body_->shrink_clearance();
     body_->relax();
     const ResolveIteration now = retreat(clean, report.iterations.back().iteration + 1);
@@ -304,7 +305,7 @@ void Resolver::settle(ResolveReport& report) {
 ResolveReport Resolver::run() {
   ResolveReport report;
   report.outcome = untangle(report);
-  if (report.outcome == ResolveOutcome::kResolved && report.iterations.size() > 1) settle(report);
+  if (report.outcome == ResolveOutcome::kResolved && report.iterations.size() > 1) relax_to_rest(report);
   fill_report(report);
   if (report.outcome != ResolveOutcome::kResolved) fill_tangle(report);
   return report;

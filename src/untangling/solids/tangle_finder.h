@@ -6,22 +6,22 @@
 
 namespace selvage {
 
-/// What of a mesh meets, and what is inside of what: all points, by DCD alone (SPB section 5.2).
+/// Collisions of a mesh with itself: faces that meet, and all points inside elements, by DCD alone (SPB section 5.2).
 class TangleFinder {
  public:
   TangleFinder(const TetMesh& mesh, std::span<const Vec3> positions);
 
-  /// Takes a pose: counts and depths. Of inverted elements and displacements it says nothing.
+  /// Counts and depths in a pose. Numbers of inverted elements and displacements are left at 0.
   ResolveIteration measure(std::span<const Vec3> positions);
 
   /// The ways out in that pose, sorted by kind and point.
   std::span<const Contact> contacts() const { return contacts_; }
 
-  /// Elements at pairs of faces that meet, at surfaces of contacts, and those that are inside by their centroids.
+  /// Elements of faces that meet, of surfaces of contacts, and those whose centroids are inside; with repetitions.
   std::vector<Index> find_elements() const;
 
  private:
-  std::int64_t leave_out_turned_faces(std::span<const Vec3> positions);
+  std::int64_t remove_contacts_at_inverted(std::span<const Vec3> positions);
 
   const TetMesh& mesh_;
   ContactFinder contact_finder_;
@@ -30,7 +30,7 @@ class TangleFinder {
   std::vector<TrianglePair> pairs_;
 };
 
-/// What a contact sends out.
+/// The point that a contact sends out.
 inline std::pair<ContactKind, Index> point_of(const Contact& contact) {
   return {contact.kind, contact.point_feature};
 }

@@ -4,10 +4,10 @@
 
 namespace selvage {
 
-/// Sets of vertices that hang together by elements, each named by its smallest vertex.
+/// Sets of vertices that are connected by elements, each named by its smallest vertex.
 class VertexRegions {
  public:
-  /// @param vertices  those that are of any region, in any order; others join nothing
+  /// @param vertices  those in any region, in any order
   VertexRegions(const TetMesh& mesh, std::span<const Index> vertices);
 
   /// The name of the region of one of the vertices.

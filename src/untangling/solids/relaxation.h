@@ -6,45 +6,45 @@
 
 namespace selvage {
 
-/// An elastic mesh at rest, of which only those vertices move that are near something which pushes: relaxed from where
-/// they are, without velocities, and pushed out of contacts.
+/// An elastic mesh that relaxes from where it is, without velocities, while contacts push it apart. Only awake vertices
+/// move: those of contacts and of inverted elements, and their neighbours once they have moved.
 class Relaxation {
  public:
-  /// @param positions  (n_vertices x 3) where the mesh is; moved by relax() and place()
-  /// @param rest       its shape without stress
-  /// @param origin     where no vertex may go too far from; must outlive this
+  /// @param positions  (n_vertices x 3) where the mesh is; moved by relax() and place() [m]
+  /// @param rest       (n_vertices x 3) its shape without stress [m]
+  /// @param origin     (n_vertices x 3) from where ResolveOptions::max_displacement counts; must outlive this [m]
   Relaxation(const TetMesh& mesh, std::vector<Vec3>& positions, std::span<const Vec3> rest,
              std::span<const Vec3> origin, const ResolveOptions& options);
 
   const Model& model() const { return model_; }
-  /// Elements that are inside out or flat now, ascending.
+  /// Elements that are inverted or flat now, ascending.
   std::span<const Index> inverted() const { return inverted_; }
   std::int64_t count_awake() const;
-  /// Of ends that had to be drawn through a crossing when last relaxed: see find_agreeing_contacts().
+  /// Vertices of ends that had to be drawn through a crossing in the last relax(): see find_agreeing_contacts().
   std::int64_t drawn_vertices() const { return drawn_vertices_; }
 
-  /// Takes over contacts, sorted by point; of points that have none, those of the last iterations. Their vertices
-  /// wake, and those of inverted elements.
+  /// Takes over contacts, sorted by point. Points without one keep those of the last iterations. Vertices of contacts
+  /// and of inverted elements wake.
   void hold(std::span<const Contact> contacts);
 
-  /// Wakes what is not where its origin is.
+  /// Wakes vertices that are not at their origin.
   void wake_displaced();
 
-  /// Wakes one ring of elements around what has moved.
+  /// Wakes the vertices of elements with a vertex that has moved.
   void wake_neighbours();
 
-  /// The material from where vertices are, and then out of the contacts that are held; what this turns inside out is
-  /// turned upright again as far as that goes.
+  /// Solves the material from where vertices are, alternating with the contacts that are held. Elements that this
+  /// inverts are restored where possible.
   void relax();
 
-  /// Sets what is awake to other positions.
+  /// Sets awake vertices to other positions.
   void place(std::span<const Vec3> positions);
 
-  /// Lets what meets come closer again, down to the clearance that was asked for.
+  /// Lets surfaces that met come closer again, down to ResolveOptions::clearance.
   void shrink_clearance();
 
  private:
-  /// A contact and for how many iterations its point has not been found inside.
+  /// A contact, and the number of iterations since its point was last inside.
   struct HeldContact {
     Contact contact;
     int age = 0;

@@ -8,21 +8,21 @@ namespace selvage {
 struct Freedom {
   std::span<const std::uint8_t> is_free;  ///< (n_vertices)
   std::span<const Vec3> origin;           ///< (n_vertices) [m]
-  double reach;                           ///< from there [m]
+  double max_displacement;                ///< from there [m]
 
   bool allows(Index vertex, const Vec3& to) const {
-    return is_free[vertex] != 0 && !((to - origin[vertex]).norm() > reach);
+    return is_free[vertex] != 0 && !((to - origin[vertex]).norm() > max_displacement);
   }
 };
 
-/// Turns elements that are inside out, or flat, upright, by moving their vertices and those one ring around.
+/// Makes inverted and flat elements positive by moving their vertices and those one ring around.
 ///
-/// One vertex after the other goes down an energy that a positive element has infinite where it becomes flat, and that
-/// is finite, but large and steep, where it is inside out: so what is upright stays so, and what is not is driven out.
-/// Elements want the shape that they have at rest; where that is nearly flat, a thicker one.
+/// One vertex after the other descends the foldover energy (FoldoverEnergy): nearly infinite for a positive element
+/// that becomes flat, finite but large and steep for an inverted one. So positive elements stay positive, and inverted
+/// ones become so. The target of an element is its rest shape; where that is nearly flat, a thicker one.
 ///
 /// @param rest       (n_vertices) [m]
-/// @param inverted   elements to turn, ascending
+/// @param inverted   elements to restore, ascending
 /// @param freedom    of its vertices
 /// @param positions  (n_vertices x 3) moved [m]
 /// @return elements that are still inverted, of the whole mesh; ascending

@@ -1,4 +1,4 @@
-#include "untangling/tangle_finder.h"
+#include "untangling/solids/tangle_finder.h"
 
 #include "contact/inverted_vertices.h"
 
@@ -12,7 +12,7 @@ ContactOptions all_points() {
   ContactOptions options;
   options.mode = DetectionMode::kDcd;
   options.interior_points = true;
-  options.wait_for_inverted = true;  // what is inside out has no outside
+  options.wait_for_inverted = true;  // at an inverted element no side is outside
   return options;
 }
 
@@ -26,7 +26,7 @@ TangleFinder::TangleFinder(const TetMesh& mesh, std::span<const Vec3> positions)
 ResolveIteration TangleFinder::measure(std::span<const Vec3> positions) {
   contact_finder_.begin_step(positions);
   contact_finder_.find_contacts(positions, contacts_);
-  const std::int64_t left_out = leave_out_turned_faces(positions);
+  const std::int64_t left_out = remove_contacts_at_inverted(positions);
   pair_finder_.update(positions);
   pairs_ = pair_finder_.find_pairs();
   ResolveIteration now;
@@ -52,11 +52,11 @@ ResolveIteration TangleFinder::measure(std::span<const Vec3> positions) {
   return now;
 }
 
-/// A face at an inverted element is no way out before that is turned: unlike in a simulation nothing moves meanwhile.
-std::int64_t TangleFinder::leave_out_turned_faces(std::span<const Vec3> positions) {
-  const InvertedVertices turned(mesh_, positions);
+/// A way out never ends at an inverted element. In a simulation it may: there bodies move meanwhile.
+std::int64_t TangleFinder::remove_contacts_at_inverted(std::span<const Vec3> positions) {
+  const InvertedVertices inverted(mesh_, positions);
   return std::erase_if(contacts_, [&](const Contact& contact) {
-    return turned.has_any(std::span(contact.vertices).first(contact.count), contact.weights);
+    return inverted.has_any(std::span(contact.vertices).first(contact.count), contact.weights);
   });
 }
 

@@ -1,12 +1,12 @@
-#include "untangling/relaxation.h"
+#include "untangling/solids/relaxation.h"
 
 #include "core/parallel.h"
 #include "elasticity/deformation_gradient.h"
 #include "mesh/find_inverted.h"
 #include "selvage/core/error.h"
-#include "untangling/agreeing_contacts.h"
-#include "untangling/tangle_finder.h"
-#include "untangling/uninvert_elements.h"
+#include "untangling/solids/agreeing_contacts.h"
+#include "untangling/solids/tangle_finder.h"
+#include "untangling/solids/uninvert_elements.h"
 
 #include <fmt/format.h>
 
@@ -17,32 +17,34 @@ namespace selvage {
 
 namespace {
 
-/// Passes of material and contacts in one iteration, for one detection.
+/// Passes of material and contacts in one iteration, after one detection.
 constexpr int kPasses = 8;
-/// Of the material alone in each pass: with one, long thin elements crumple before they take along what they hang on.
+/// Iterations of the material in each pass: with one, long thin elements crumple before they pull their neighbours
+/// along.
 constexpr int kMaterialPasses = 4;
 /// Young's modulus where density, time step and mean edge length are 1: so stiff that contacts move bodies rather than
 /// dent them.
 constexpr double kStiffness = 100;
-/// Part of the mean edge length by which a contact pushes in one iteration: points deep inside go opposite ways, and
-/// all the way at once they would turn elements inside out before the material can say which side gives way.
+/// Part of the mean edge length by which a contact pushes in one iteration. Points deep inside go opposite ways: all
+/// the way at once, they would invert elements before the material can decide which side yields.
 constexpr double kPush = 0.5;
-/// How far apart, in mean edge lengths, what meets is set until all is out: with less, edges that cross at a ridge lock
-/// where the material pulls as much as the contacts push.
+/// Distance, in mean edge lengths, at which surfaces that met are kept until no point is inside. With less, edges that
+/// cross at a ridge lock where the material pulls as much as the contacts push.
 constexpr double kUntanglingClearance = 0.4;
-/// By which the material takes it back once all are out, per iteration.
+/// Factor by which that distance shrinks per iteration afterwards.
 constexpr double kClearanceShrinkage = 0.9;
-/// Part of the mean edge length by which a vertex moves in one iteration: the material throws far what is inside out.
-constexpr double kLongestMove = 0.5;
-/// Iterations for which a contact holds after its point was last found inside: without it the material would at once
-/// pull back in what has just come out.
+/// Largest move of a vertex in one iteration, as a part of the mean edge length: the material throws inverted elements
+/// far.
+constexpr double kMaxMove = 0.5;
+/// Iterations for which a contact holds after its point was last inside. Without it the material would at once pull the
+/// point back in.
 constexpr int kHold = 20;
 /// Part of an element's size by which a vertex must have moved to wake the element's other vertices.
 constexpr double kWakingShare = 0.01;
 /// Keeps rounding from carrying a vertex beyond the largest displacement.
 constexpr double kBelowOne = 1 - 1e-12;
 
-/// Of the boundary, for what meets is as coarse as that.
+/// Of the boundary's edges [m].
 double mean_edge_length(const TetMesh& mesh, std::span<const Vec3> positions) {
   double sum = 0;
   for (const auto& face : mesh.boundary_faces())
@@ -50,7 +52,7 @@ double mean_edge_length(const TetMesh& mesh, std::span<const Vec3> positions) {
   return sum / (3 * static_cast<double>(mesh.boundary_faces().size()));
 }
 
-/// All in one body whose stiffness is relative to its elements' size, so that a mesh resolves alike in any unit.
+/// The mesh as one body, its stiffness relative to its elements' size: a mesh resolves alike in any unit.
 Model make_relative_model(const TetMesh& mesh, std::span<const Vec3> rest) {
   if (std::ssize(rest) != mesh.vertex_count())
     throw Error("rest positions", fmt::format("{} for {} vertices", rest.size(), mesh.vertex_count()),
@@ -99,7 +101,7 @@ void Relaxation::hold(std::span<const Contact> contacts) {
   for (const Contact& contact : contacts) held_.push_back({contact});
   for (const Contact& contact : contacts)
     for (int i = 0; i < contact.count; ++i) wake(contact.vertices[i]);
-  // The material turns those back that nothing is inside of.
+  // The material restores those that no point is inside of.
   for (const Index e : inverted_)
     for (const Index v : mesh_.elements()[e]) wake(v);
 }
@@ -127,12 +129,12 @@ void Relaxation::wake_neighbours() {
   }
 }
 
-/// Contacts after the material, so that these have the last word.
+/// In each pass contacts come after the material, so that they hold at its end.
 void Relaxation::relax() {
   std::vector<Contact> held;
   for (const HeldContact& h : held_) held.push_back(h.contact);
-  const auto now = std::find_if(held_.begin(), held_.end(), [](const HeldContact& h) { return h.age == 0; });
-  const AgreeingContacts agreeing = find_agreeing_contacts(mesh_, positions_, held, now - held_.begin());
+  const auto first_now = std::find_if(held_.begin(), held_.end(), [](const HeldContact& h) { return h.age == 0; });
+  const AgreeingContacts agreeing = find_agreeing_contacts(mesh_, positions_, held, first_now - held_.begin());
   drawn_vertices_ = agreeing.drawn_vertices;
   for (int pass = 0; pass < kPasses; ++pass) {
     for (int i = 0; i < kMaterialPasses; ++i) material_.solve(vertices_, {}, 0, 1);
@@ -169,7 +171,7 @@ void Relaxation::limit_displacements() {
   parallel_for(mesh_.vertex_count(), kGrain, [&](std::int64_t v) {
     if (!is_awake_[v]) return;
     const Eigen::Map<Eigen::Vector3d> position(vertices_[v].position);
-    hold_within(position, positions_[v], kLongestMove * length_);
+    hold_within(position, positions_[v], kMaxMove * length_);
     hold_within(position, origin_[v], max_displacement_);
   });
 }

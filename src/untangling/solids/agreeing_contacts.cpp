@@ -1,7 +1,7 @@
-#include "untangling/agreeing_contacts.h"
+#include "untangling/solids/agreeing_contacts.h"
 
-#include "untangling/limb_ends.h"
-#include "untangling/vertex_regions.h"
+#include "untangling/solids/limb_ends.h"
+#include "untangling/solids/vertex_regions.h"
 
 #include <Eigen/Eigenvalues>
 
@@ -12,7 +12,7 @@ namespace selvage {
 
 namespace {
 
-/// Part of a crossing's contacts by which more have to push to one side than to the other for these to tell the side.
+/// Majority that decides the side of a crossing: the part of its contacts by which more push to one side.
 constexpr double kMajority = 0.5;
 /// Cosine of the angle up to which an end's way is along the line on which its crossing pushes.
 constexpr double kAlong = 0.5;
@@ -86,14 +86,14 @@ class ContactSorter {
     return point < surface ? contact.normal : Vec3(-contact.normal);
   }
 
-  /// Those of what is inside now: with what has come out they would grow over the ends.
+  /// Regions of points that are inside now. With points that have come out they would grow over the ends.
   std::vector<Index> list_regions(std::size_t first_now) {
     std::vector<Index> regions(mesh_.vertex_count(), kNone);
     for (const Index v : vertices_of(contacts_.subspan(first_now))) regions[v] = regions_.find(v);
     return regions;
   }
 
-  /// @return how many vertices that has; 0 where none would go that way
+  /// @return the number of its vertices; 0 where no end is along that way
   std::int64_t draw_shorter_end(const Sides& sides, const std::map<Index, LimbEnd>& ends) {
     Vec3& way = ways_[sides];
     LimbEnd shorter;

@@ -1,6 +1,6 @@
-#include "untangling/limb_ends.h"
+#include "untangling/solids/limb_ends.h"
 
-#include "untangling/vertex_regions.h"
+#include "untangling/solids/vertex_regions.h"
 
 #include <algorithm>
 #include <array>
@@ -9,11 +9,11 @@ namespace selvage {
 
 namespace {
 
-/// Vertices of an end, at least, for each of the region that cuts it off. What is less is no farther than the region is
-/// wide: corners that stand out of a tangle, which every iteration cuts off others.
+/// Least number of vertices of an end for each vertex of the region that cuts it off. Smaller pieces reach no farther
+/// than the region is wide: corners that stick out of a tangle, others in every iteration.
 constexpr double kMinShare = 0.5;
 
-/// Regions and the pieces between them, and which touch: each by its number.
+/// Graph of the regions and of the connected pieces between them; edges join those that touch.
 class PieceGraph {
  public:
   PieceGraph(const TetMesh& mesh, std::span<const Vec3> positions, std::span<const Index> regions) {
@@ -75,7 +75,7 @@ class PieceGraph {
     return area.dot(p - a) < 0 ? Vec3(-area) : area;
   }
 
-  /// What falls apart without a piece.
+  /// Connected pieces that are left without one.
   std::vector<LimbEnd> list_limbs(Index cut) const {
     std::vector<LimbEnd> limbs;
     std::vector<std::uint8_t> is_seen(sizes_.size());
@@ -104,8 +104,9 @@ class PieceGraph {
   std::vector<Index> pieces_;  ///< of each vertex
   std::vector<std::int64_t> sizes_;
   std::map<Index, Index> region_pieces_;
-  /// With the area, up to a factor, of what is between, towards the piece: where one vertex is 1 and all others are 0,
-  /// the gradient in an element is along the face opposite; so all that an outline has, however edges run, is its area.
+  /// Each neighbour with the area vector, up to a factor, of the border, towards the piece. Let one vertex be 1 and all
+  /// others 0: the gradient in an element is along the normal of the opposite face. The sum over a border depends on
+  /// its area alone, however edges run.
   std::vector<std::map<Index, Vec3>> neighbours_;
 };
 

@@ -4,9 +4,9 @@
 
 namespace selvage {
 
-/// Elements that pins hold in a tangle, however all else may move: with all their vertices pinned and inverted, or
-/// inside of others such; or with a face that is pinned and meets another. Ascending. Where there are none, it may be
-/// impossible all the same to resolve the mesh.
+/// Elements that pinned vertices keep in collision, wherever all others move. Either all vertices of the element are
+/// pinned, and it is inverted or inside another such element; or a face of it is pinned and meets another such face.
+/// Ascending. Where there are none, the mesh may still be impossible to resolve.
 ///
 /// @param positions  (n_vertices x 3) [m]
 /// @param pinned     vertices, in any order
