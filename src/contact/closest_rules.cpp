@@ -2,6 +2,7 @@
 
 #include "bvh/traverse.h"
 #include "core/parallel.h"
+#include "mesh/simplex_corners.h"
 #include "selvage/geometry/closest_point.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "bvh/bvh.h"
-#include "contact/contact_parts.h"
+#include "contact/path_contact.h"
 
 namespace selvage {
 

@@ -1,9 +1,9 @@
 #include "selvage/contact/contact_finder.h"
 
 #include "contact/closest_rules.h"
-#include "contact/contact_parts.h"
 #include "contact/impact_contacts.h"
 #include "contact/inverted_vertices.h"
+#include "contact/path_contact.h"
 #include "contact/penetration_search.h"
 #include "contact/tangles.h"
 #include "core/parallel.h"

@@ -1,6 +1,6 @@
 #include "contact/edge_part.h"
 
-#include "contact/contact_parts.h"
+#include "mesh/simplex_corners.h"
 #include "selvage/geometry/predicates.h"
 
 #include <algorithm>

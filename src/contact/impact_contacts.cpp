@@ -1,6 +1,7 @@
 #include "contact/impact_contacts.h"
 
-#include "contact/contact_parts.h"
+#include "contact/contact_weights.h"
+#include "mesh/simplex_corners.h"
 #include "selvage/geometry/closest_point.h"
 
 #include <algorithm>

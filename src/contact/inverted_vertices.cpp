@@ -1,7 +1,7 @@
 #include "contact/inverted_vertices.h"
 
-#include "contact/contact_parts.h"
 #include "core/parallel.h"
+#include "mesh/simplex_corners.h"
 #include "selvage/geometry/predicates.h"
 
 #include <algorithm>

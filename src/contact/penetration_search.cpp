@@ -1,9 +1,10 @@
 #include "contact/penetration_search.h"
 
 #include "boundary_path/injectivity/star_proof.h"
-#include "contact/contact_parts.h"
 #include "contact/edge_part.h"
+#include "contact/path_contact.h"
 #include "core/parallel.h"
+#include "mesh/simplex_corners.h"
 #include "selvage/geometry/predicates.h"
 
 #include <algorithm>

@@ -31,7 +31,7 @@ struct PointInside {
 class PenetrationSearch {
  public:
   /// @param with_edges  whether edges are features, too
-  /// @param joins_parts  whether an edge's parts in elements that hang together count as one; see middle_of_parts()
+  /// @param joins_parts  whether an edge's parts in connected elements count as one; see middle_of_parts()
   PenetrationSearch(const TetMesh& mesh, const TriangleMesh& surface, bool with_edges, std::span<const Vec3> positions,
                     PathOptions options = {}, bool joins_parts = true);
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "contact/contact_parts.h"
+#include "contact/path_contact.h"
 #include "selvage/mesh/simplex_mesh.h"
 
 namespace selvage {

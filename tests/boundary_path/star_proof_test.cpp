@@ -1,6 +1,6 @@
 #include "boundary_path/injectivity/star_proof.h"
 
-#include "contact/contact_parts.h"
+#include "mesh/simplex_corners.h"
 #include "selvage/geometry/predicates.h"
 #include "solids.h"
 #include "test_scale.h"

@@ -1,6 +1,6 @@
 #include "selvage/contact/contact_finder.h"
 
-#include "contact/contact_parts.h"
+#include "mesh/simplex_corners.h"
 #include "selvage/core/error.h"
 #include "selvage/geometry/closest_point.h"
 #include "selvage/geometry/continuous.h"
@@ -108,7 +108,7 @@ TEST(ContactFinder, ModesSeeWhatTheyAreMeantTo) {
   const Solid inside = tip_over_box(-0.125), outside = tip_over_box(0.25);
   EXPECT_TRUE(contacts_of_step(inside, inside.positions, in_mode(DetectionMode::kOff)).empty());
   EXPECT_TRUE(contacts_of_step(outside, outside.positions, in_mode(DetectionMode::kHybrid)).empty());
-  // CCD alone is blind to what is inside already and stays there.
+  // CCD alone does not find a point that is inside already and stays there.
   const Solid deep = tip_over_box(-0.5);
   const auto by_ccd = contacts_of_step(deep, moved_down(deep.positions, 0.01), in_mode(DetectionMode::kCcd));
   EXPECT_TRUE(std::none_of(by_ccd.begin(), by_ccd.end(), [](const Contact& c) { return c.point_feature == 0; }));

@@ -1,6 +1,6 @@
 #include "contact/impact_contacts.h"
 
-#include "contact/contact_parts.h"
+#include "mesh/simplex_corners.h"
 #include "selvage/geometry/continuous.h"
 #include "selvage/geometry/distance.h"
 #include "solids.h"

@@ -1,7 +1,7 @@
 #include "contact/penetration_search.h"
 
-#include "contact/contact_parts.h"
 #include "contact/edge_part.h"
+#include "mesh/simplex_corners.h"
 #include "selvage/boundary_path/boundary_path.h"
 #include "selvage/geometry/predicates.h"
 #include "selvage/shapes/shapes.h"
@@ -311,7 +311,7 @@ TEST(PartInside, FlatTetrahedraHoldNothing) {
   EXPECT_FALSE(part_inside({Vec3{0.1, 0.2, 0}, Vec3{0.4, 0.2, 0}}, flat));
 }
 
-/// The middle of what of a segment is inside a mesh.
+/// The middle of the part of a segment inside a mesh.
 EdgePoint middle_inside(const Solid& solid, const std::array<Vec3, 2>& segment) {
   const TetMesh mesh = solid.mesh();
   std::vector<ElementPart> parts;
@@ -327,7 +327,7 @@ EdgePoint middle_inside(const Solid& solid, const std::array<Vec3, 2>& segment) 
 }
 
 /// An edge that enters a box from the side a little above its floor, at several places and in several directions: the
-/// middle of what is inside does not depend on how the box is cut into elements.
+/// middle of the part inside does not depend on how the box is cut into elements.
 TEST(MiddleOfParts, IsThatOfTheWholeBodyHoweverItIsCut) {
   for (const double cell : {1.0, 0.5, 0.26, 0.1})
     for (const double height : {0.1, 1e-3, 1e-7})

@@ -5,7 +5,7 @@
 
 namespace selvage {
 
-/// A point inside an element, as a weighted sum of vertices, which is asked for its way out.
+/// A point inside an element, as a weighted sum of vertices, and the query for its way out.
 struct PenetratingPoint {
   ContactKind kind = ContactKind::kVertexPath;
   Index feature = kNone;  ///< vertex, boundary edge or element
@@ -17,17 +17,11 @@ struct PenetratingPoint {
 };
 
 PenetratingPoint penetrating_vertex(Index vertex, Index element, std::span<const Vec3> positions);
-/// @param middle  of what is inside: 0 at the edge's first vertex, 1 at its second
+/// @param middle  of the part inside: 0 at the edge's first vertex, 1 at its second
 PenetratingPoint penetrating_edge(Index edge, const VertexTuple<2>& vertices, double middle, Index element,
                                   std::span<const Vec3> positions);
 PenetratingPoint penetrating_centroid(Index of_element, const VertexTuple<4>& vertices, Index element,
                                       std::span<const Vec3> positions);
-
-/// Adds a weight to a contact: to that of the same vertex where it is listed already.
-void add_weight(Contact& contact, Index vertex, double weight);
-
-/// Takes out vertices that the point and the surface have in common, and with the same weight.
-void drop_weightless(Contact& contact);
 
 /// The contact of a point and the closest boundary point that was found for it.
 Contact path_contact(const TetMesh& mesh, const PenetratingPoint& point, const BoundaryPath<3>& path);
@@ -36,26 +30,5 @@ Contact path_contact(const TetMesh& mesh, const PenetratingPoint& point, const B
 /// barycentric coordinates there are not 0; where they cancel, the face's own. Zero where that is flat.
 Vec3 outward_normal(const TetMesh& mesh, std::span<const Vec3> positions, Index face,
                     const std::array<double, 3>& barycentric);
-
-/// Twice the area of a triangle times its unit normal.
-inline Vec3 area_normal(const std::array<Vec3, 3>& corners) {
-  return (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-}
-
-template <std::size_t N>
-std::array<Vec3, N> corners_of(const std::array<Index, N>& vertices, std::span<const Vec3> positions) {
-  std::array<Vec3, N> corners;
-  for (std::size_t i = 0; i < N; ++i) corners[i] = positions[vertices[i]];
-  return corners;
-}
-
-/// Whether two lists of vertices have one in common.
-template <std::size_t N, std::size_t M>
-bool share_vertex(const std::array<Index, N>& a, const std::array<Index, M>& b) {
-  for (const Index v : a)
-    for (const Index w : b)
-      if (v == w) return true;
-  return false;
-}
 
 }  // namespace selvage

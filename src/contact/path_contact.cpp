@@ -1,45 +1,43 @@
-#include "contact/contact_parts.h"
+#include "contact/path_contact.h"
+
+#include "contact/contact_weights.h"
+#include "mesh/simplex_corners.h"
 
 #include <algorithm>
 
 namespace selvage {
 
 PenetratingPoint penetrating_vertex(Index vertex, Index element, std::span<const Vec3> positions) {
-  return {ContactKind::kVertexPath, vertex, 1, {vertex}, {1}, {positions[vertex], element, {vertex, kNone}}};
+  return {.kind = ContactKind::kVertexPath,
+          .feature = vertex,
+          .count = 1,
+          .vertices = {vertex},
+          .weights = {1},
+          .query = {positions[vertex], element, {vertex, kNone}}};
 }
 
 PenetratingPoint penetrating_edge(Index edge, const VertexTuple<2>& vertices, double middle, Index element,
                                   std::span<const Vec3> positions) {
   const auto& [a, b] = vertices;
   const Vec3 point = positions[a] + middle * (positions[b] - positions[a]);
-  return {ContactKind::kEdgePath, edge, 2, {a, b}, {1 - middle, middle}, {point, element, {a, b}}};
+  return {.kind = ContactKind::kEdgePath,
+          .feature = edge,
+          .count = 2,
+          .vertices = {a, b},
+          .weights = {1 - middle, middle},
+          .query = {point, element, {a, b}}};
 }
 
 PenetratingPoint penetrating_centroid(Index of_element, const VertexTuple<4>& vertices, Index element,
                                       std::span<const Vec3> positions) {
   Vec3 sum = Vec3::Zero();
   for (const Index v : vertices) sum += positions[v];
-  return {ContactKind::kCentroidPath, of_element, 4, vertices, {0.25, 0.25, 0.25, 0.25}, {sum / 4, element}};
-}
-
-void add_weight(Contact& contact, Index vertex, double weight) {
-  if (weight == 0) return;
-  const auto end = contact.vertices.begin() + contact.count;
-  const auto place = std::find(contact.vertices.begin(), end, vertex);
-  const auto i = place - contact.vertices.begin();
-  if (place == end) contact.vertices[contact.count++] = vertex;
-  contact.weights[i] += weight;
-}
-
-void drop_weightless(Contact& contact) {
-  int kept = 0;
-  for (int i = 0; i < contact.count; ++i) {
-    if (contact.weights[i] == 0) continue;
-    contact.vertices[kept] = contact.vertices[i];
-    contact.weights[kept] = contact.weights[i];
-    ++kept;
-  }
-  contact.count = static_cast<std::uint8_t>(kept);
+  return {.kind = ContactKind::kCentroidPath,
+          .feature = of_element,
+          .count = 4,
+          .vertices = vertices,
+          .weights = {0.25, 0.25, 0.25, 0.25},
+          .query = {sum / 4, element}};
 }
 
 Contact path_contact(const TetMesh& mesh, const PenetratingPoint& point, const BoundaryPath<3>& path) {
@@ -48,7 +46,7 @@ Contact path_contact(const TetMesh& mesh, const PenetratingPoint& point, const B
   for (int i = 0; i < point.count; ++i) add_weight(contact, point.vertices[i], point.weights[i]);
   const auto& face = mesh.boundary_faces()[path.face];
   for (int i = 0; i < 3; ++i) add_weight(contact, face[i], -path.barycentric[i]);
-  drop_weightless(contact);
+  remove_zero_weights(contact);
   contact.normal = path.normal;
   contact.point = path.point;
   contact.point_feature = point.feature;

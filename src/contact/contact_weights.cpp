@@ -1,0 +1,27 @@
+#include "contact/contact_weights.h"
+
+#include <algorithm>
+
+namespace selvage {
+
+void add_weight(Contact& contact, Index vertex, double weight) {
+  if (weight == 0) return;
+  const auto end = contact.vertices.begin() + contact.count;
+  const auto place = std::find(contact.vertices.begin(), end, vertex);
+  const auto i = place - contact.vertices.begin();
+  if (place == end) contact.vertices[contact.count++] = vertex;
+  contact.weights[i] += weight;
+}
+
+void remove_zero_weights(Contact& contact) {
+  int kept = 0;
+  for (int i = 0; i < contact.count; ++i) {
+    if (contact.weights[i] == 0) continue;
+    contact.vertices[kept] = contact.vertices[i];
+    contact.weights[kept] = contact.weights[i];
+    ++kept;
+  }
+  contact.count = static_cast<std::uint8_t>(kept);
+}
+
+}  // namespace selvage
