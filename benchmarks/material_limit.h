@@ -19,7 +19,7 @@ inline constexpr double kOperationsPerElement = 329, kOperationsPerDampedElement
 /// What an iteration over Neo-Hookean elements moves at least: batches are read, their multipliers written; vertices
 /// read and written once, and read as they were at the start of the step where they are damped. [bytes]
 inline double material_bytes(double elements, double vertices, bool damped) {
-  return elements * (sizeof(ElementBatch) + 2 * 8 * kBatch) / kBatch + (damped ? 3 : 2) * vertices * sizeof(VertexRow);
+  return elements * (sizeof(ElementBatch) + 2 * 8 * kBatch) / kBatch + (damped ? 3 : 2) * vertices * sizeof(StepVertex);
 }
 
 /// What this machine does at most on some threads.

@@ -37,7 +37,7 @@ void solve(benchmark::State& state, MaterialKind kind) {
   const tbb::global_control control(tbb::global_control::max_allowed_parallelism, static_cast<int>(state.range(1)));
   const Model& model = shared_block(static_cast<Index>(state.range(0)), kind);
   MaterialSolver solver(model, 1.0 / 3000);
-  std::vector<VertexRow> rows;
+  std::vector<StepVertex> rows;
   for (Index v = 0; v < model.mesh.vertex_count(); ++v) {
     const Vec3& p = model.rest_positions[v];
     rows.push_back({{1.01 * p[0], p[1] + 0.02 * p[2], p[2]}, model.inverse_masses[v]});

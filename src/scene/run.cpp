@@ -24,7 +24,7 @@ class HeldElements {
     for (std::size_t h = 0; h < scene.handles.size(); ++h)
       for (const Index v : scene.handles[h].vertices) holder[v] = static_cast<Index>(h);
     for (Index e = 0; e < scene.model.mesh.element_count(); ++e) {
-      Held held{e, {}, 0};
+      Held held{.element = e, .handles = {}, .until = 0};
       for (int i = 0; i < 4; ++i) held.handles[i] = holder[scene.model.mesh.elements()[e][i]];
       const auto [least, most] = std::minmax_element(held.handles.begin(), held.handles.end());
       if (*least == kNone || *least == *most) continue;

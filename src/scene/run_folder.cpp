@@ -136,7 +136,7 @@ std::optional<RunFolder::Stop> RunFolder::find_stop() const {
 }
 
 void RunFolder::clear_unfinished(std::int64_t last_frame) const {
-  // Nothing but what a run writes: others may have put pictures of the frames beside them.
+  // Only files that a run writes: others may have put pictures of the frames beside them.
   const auto remove_if = [](const fs::path& folder, const auto& is_unfinished) {
     std::error_code error;
     for (const auto& entry : fs::directory_iterator(folder, error))

@@ -138,7 +138,8 @@ Collider build_collider(const ColliderDescription& description) {
     shape.triangles.assign(solid.boundary_faces().begin(), solid.boundary_faces().end());
   }
   for (const Vec3& p : mesh.positions) shape.positions.push_back(description.place.apply(p));
-  at_place(description.mesh->where, [&] { return MeshCollider("surface", shape); });  // refuses what is not closed
+  at_place(description.mesh->where,
+           [&] { return MeshCollider("surface", shape); });  // refuses a surface that is not closed
   collider.shape = std::move(shape);
   return collider;
 }

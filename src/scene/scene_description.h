@@ -39,7 +39,7 @@ struct Region {
   }
 };
 
-/// A pose of mesh/poses.h, or a linear map.
+/// A pose of selvage/shapes/poses.h, or a linear map.
 struct NamedPose {
   std::string name;
   PoseOptions options;
@@ -75,7 +75,7 @@ struct ColliderDescription {
   Placement place;  ///< of the mesh
 };
 
-/// What a scene file says, checked: kinds of values, ranges, names. No mesh has been read or made.
+/// The contents of a scene file, checked: kinds of values, ranges, names. No mesh has been read or made.
 struct SceneDescription {
   int frames = 60, frames_per_second = 60, substeps = 5;
   std::int64_t contact_from_frame = 0;
@@ -85,7 +85,7 @@ struct SceneDescription {
   std::string canonical;  ///< all that decides a run, as text in one form
 };
 
-/// Understands a scene at one of its scales.
+/// Reads the description of a scene at one of its scales.
 ///
 /// @param text    the document
 /// @param file    its name, for errors; meshes are found relative to its folder

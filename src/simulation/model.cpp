@@ -42,7 +42,10 @@ void check_bodies(const Model& model) {
 }  // namespace
 
 Model make_model(TetMesh mesh, std::vector<Vec3> rest_positions, std::vector<Body> bodies) {
-  Model model{std::move(mesh), std::move(rest_positions), std::move(bodies), {}};
+  Model model{.mesh = std::move(mesh),
+              .rest_positions = std::move(rest_positions),
+              .bodies = std::move(bodies),
+              .inverse_masses = {}};
   check_size("rest positions", model.rest_positions.size(), model.mesh.vertex_count());
   check_finite(model.rest_positions);
   check_bodies(model);

@@ -18,11 +18,16 @@ using test::write_text;
 
 Model make_box_model() {
   const IndexedMesh box = make_box({1, 1, 1}, 0.5);
-  Body body{"box", 0, static_cast<Index>(box.positions.size()), 0, static_cast<Index>(box.tetrahedra.size()), {}};
+  Body body{.name = "box",
+            .first_vertex = 0,
+            .vertex_count = static_cast<Index>(box.positions.size()),
+            .first_element = 0,
+            .element_count = static_cast<Index>(box.tetrahedra.size()),
+            .material = {}};
   return make_model(TetMesh(static_cast<Index>(box.positions.size()), box.tetrahedra), box.positions, {body});
 }
 
-TEST(Frames, SurviveAsTheyWere) {
+TEST(Frames, AreReadAsTheyWereWritten) {
   const TemporaryFolder folder;
   const Model model = make_box_model();
   State state = make_state(model, model.rest_positions);
@@ -58,7 +63,7 @@ TEST(Frames, SurviveAsTheyWere) {
 }
 
 /// Other programs read the files by these offsets.
-TEST(Frames, LieAsDocumented) {
+TEST(Frames, HaveTheDocumentedLayout) {
   const TemporaryFolder folder;
   FrameHeader header;
   header.elements = 5;
@@ -108,7 +113,7 @@ TEST(Frames, DamagedFilesAreRefused) {
   }
 }
 
-TEST(StatisticsTable, RowsSurvive) {
+TEST(StatisticsTable, RowsAreReadAsTheyWereWritten) {
   FrameStatistics first, second;
   second.frame = 1;
   second.time = 1.0 / 60;

@@ -78,7 +78,7 @@ std::vector<std::string> differences(const std::map<std::string, std::string>& a
   return names;
 }
 
-TEST(Run, WritesWhatItSays) {
+TEST(Run, WritesTheFilesOfEachFrame) {
   const TemporaryFolder folder;
   const Scene scene = scene_of(falling_blocks());
   RunOptions options = to(folder.path() / "deep" / "run");
@@ -127,7 +127,7 @@ TEST(Run, FingerprintIsThatOfTheLastState) {
   EXPECT_EQ(run(falling_blocks(R"(,"gravity": [0, 0, -9.80001])"), 0), run(falling_blocks(), 0));
 }
 
-TEST(Run, EndsTheSameWhereverItWasCut) {
+TEST(Run, EndsWithTheSameFilesWhereverItWasInterrupted) {
   const Scene scene = scene_of(falling_blocks());
   const TemporaryFolder whole;
   RunOptions options = to(whole.path());
@@ -140,7 +140,7 @@ TEST(Run, EndsTheSameWhereverItWasCut) {
     first.folder = folder.path();
     first.frames = cut;
     run_scene(scene, first);
-    // What a kill may leave behind: a frame and a row without their checkpoint, a half line, a file half written.
+    // A killed run may leave behind: a frame and a row without their checkpoint, a half line, a file half written.
     write_text(frame_path(folder.path(), cut + 1), "half a frame");
     write_text(folder.path() / "frames" / "frame_000009.bin.1-1.part", "x");
     write_text(folder.path() / "statistics.csv", read_text(folder.path() / "statistics.csv") + "7,0.1,3");
@@ -154,7 +154,7 @@ TEST(Run, EndsTheSameWhereverItWasCut) {
   }
 }
 
-TEST(Run, RemovesNothingThatIsNotItsOwn) {
+TEST(Run, RemovesOnlyItsOwnFiles) {
   const Scene scene = scene_of(falling_blocks());
   const TemporaryFolder folder;
   const std::vector<std::string> others{"frame_000001.png",        "frame_000002.bin",   "notes.part",
@@ -202,7 +202,7 @@ std::string refusal(const Scene& scene, const RunOptions& options) {
   return "accepted";
 }
 
-TEST(Run, ImpossibleOptionsAreRefused) {
+TEST(Run, RefusesImpossibleOptions) {
   const Scene scene = scene_of(falling_blocks());
   EXPECT_NE(refusal(scene, {}).find("folder: is not named"), std::string::npos);
   const TemporaryFolder folder;
@@ -212,7 +212,7 @@ TEST(Run, ImpossibleOptionsAreRefused) {
   EXPECT_TRUE(files_of(folder.path()).empty());
 }
 
-TEST(Run, OtherRunsAreLeftAlone) {
+TEST(Run, RefusesFoldersOfOtherRuns) {
   const TemporaryFolder folder;
   run_scene(scene_of(falling_blocks()), to(folder.path()));
   const auto before = files_of(folder.path());
@@ -242,7 +242,7 @@ TEST(Run, OtherRunsAreLeftAlone) {
   EXPECT_NE(message.find("another process"), std::string::npos) << message;
 }
 
-TEST(Run, ContactsBeginWhereTheyAreAskedFor) {
+TEST(Run, ContactsBeginInTheFrameThatTheSceneGives) {
   const TemporaryFolder folder;
   const Scene scene = scene_of(falling_blocks(R"(,"contact": {"from_frame": 3})"));
   const RunReport report = run_scene(scene, to(folder.path()));
@@ -252,7 +252,7 @@ TEST(Run, ContactsBeginWhereTheyAreAskedFor) {
   }
 }
 
-TEST(Run, ExplosionNamesTheFrame) {
+TEST(Run, NamesTheFrameOfAnExplosion) {
   const TemporaryFolder folder;
   // A speed that no double holds.
   const std::string text = R"({"selvage_scene": 1, "frames": 9, "frames_per_second": 1, "substeps": 1,
@@ -284,7 +284,7 @@ TEST(Run, FramesHoldNothingInfinite) {
   for (const Vec3& p : read_frame(frame_path(folder.path(), 3)).positions) EXPECT_TRUE(p.allFinite());
 }
 
-TEST(Run, ImpossibleHandlesAreNamed) {
+TEST(Run, NamesTheElementThatHandlesInvert) {
   const TemporaryFolder folder;
   const std::string text = R"({"selvage_scene": 1, "frames": 30, "substeps": 2, "gravity": [0, 0, 0],
     "bodies": [{"mesh": {"shape": "box", "size": [1, 1, 1], "cell": 1},
@@ -297,7 +297,7 @@ TEST(Run, ImpossibleHandlesAreNamed) {
   EXPECT_EQ(report.frames.back().frame, 3);
 }
 
-/// Lets files grow to so many bytes only, as on a full disk.
+/// Limits the size of files, as a full disk does.
 class FileLimit {
  public:
   explicit FileLimit(rlim_t bytes) {
@@ -315,7 +315,7 @@ class FileLimit {
   rlimit before_{};
 };
 
-TEST(Run, FullDiskNamesTheFrameAndSpoilsNothing) {
+TEST(Run, NamesTheFrameWhereTheDiskIsFullAndKeepsTheFramesBefore) {
   // Of few vertices, so that the table of statistics is the first file to grow too large; and of more, so that it is
   // the checkpoint.
   const std::string small = R"({"selvage_scene": 1, "frames": 9, "substeps": 1,

@@ -68,7 +68,7 @@ std::string refusal(const std::string& text, std::string_view scale = {}) {
   return "accepted";
 }
 
-TEST(SceneReader, UnderstandsEverything) {
+TEST(SceneReader, ReadsEveryKey) {
   const SceneDescription scene = describe_scene(kWhole, kFile, "");
   EXPECT_EQ(scene.frames, 3);
   EXPECT_EQ(scene.options.time_step, 1.0 / 200);
@@ -122,7 +122,7 @@ struct WrongValue {
   std::vector<std::string> words;
 };
 
-TEST(SceneReader, NamesWhatIsWrongWhereAndWhatIsAllowed) {
+TEST(SceneReader, NamesThePlaceOfEachErrorAndTheAllowedValues) {
   const std::vector<WrongValue> cases{
       {"/selvage_scene", "2", {"selvage_scene", "2 is out of range", "from 1 to 1"}},
       {"/selvage_scene", "", {"has no 'selvage_scene'"}},
@@ -206,12 +206,12 @@ TEST(SceneReader, NamesWrongScales) {
     EXPECT_NE(message.find("is no place in the scene"), std::string::npos) << place << ": " << message;
     EXPECT_NE(message.find("scales.paper"), std::string::npos) << message;
   }
-  // What a scale puts in is checked like the rest.
+  // Values that a scale puts in are checked like all others.
   const std::string wrong = patched("/scales/paper/~1substeps", "-2");
   EXPECT_NE(refusal(wrong, "paper").find("substeps: -2 is out of range"), std::string::npos);
 }
 
-TEST(SceneReader, RefusesWhatIsNoJson) {
+TEST(SceneReader, RefusesTextThatIsNoJson) {
   EXPECT_NE(refusal("{\"frames\": 3,\n \"bodies\": [}").find("line 2, column"), std::string::npos);
   EXPECT_NE(refusal("").find("whole.json"), std::string::npos);
   EXPECT_NE(refusal("[1]").find("no object"), std::string::npos);
@@ -228,7 +228,7 @@ TEST(SceneReader, NamesThePlaceOfWhatTheParserFinds) {
             std::string::npos);
 }
 
-TEST(Scene, BodiesStandWhereTheyWerePut) {
+TEST(Scene, BodiesHaveTheirPlacement) {
   const Scene scene = parse_scene(kWhole, kFile);
   ASSERT_EQ(scene.model.bodies.size(), 7u);
   EXPECT_EQ(scene.model.bodies[1].name, "body1[0]");

@@ -141,7 +141,8 @@ std::int64_t least_batches(const MaterialBlocks& blocks, const MaterialBlock& bl
   return std::max(most, (count + kBatch - 1) / kBatch);
 }
 
-TEST(Blocks, HaveHardlyMoreBatchesThanTheyNeed) {
+// Two in a hundred are a regression mark.
+TEST(Blocks, HaveAtMostTwoInAHundredBatchesMoreThanTheyNeed) {
   for (const Model& model : models()) {
     const MaterialBlocks blocks = make_material_blocks(model);
     std::int64_t least = 0;
@@ -164,7 +165,7 @@ TEST(Blocks, PackAStarIntoOneBatchEach) {
   EXPECT_TRUE(pack_batches<2>({}, 6).empty());
 }
 
-TEST(Blocks, HaveColoursOfLikeSize) {
+TEST(Blocks, HaveColoursOfEqualNumbersOfParts) {
   IndexedMesh bent = make_box({1, 1, 1}, 0.04);
   for (Vec3& p : bent.positions) p[1] += p[0] * p[0];
   for (const IndexedMesh& mesh :
@@ -183,7 +184,7 @@ TEST(Blocks, HaveColoursOfLikeSize) {
   }
 }
 
-TEST(Blocks, OfASmallBodyAreOne) {
+TEST(Blocks, OfASmallBodyAreASingleOne) {
   const MaterialBlocks blocks = make_material_blocks(make(make_box({1, 1, 1}, 0.25), neo_hookean(1e5)));
   EXPECT_EQ(blocks.blocks.size(), 1);
   EXPECT_EQ(blocks.part_first.size(), 2);

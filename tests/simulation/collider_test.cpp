@@ -59,7 +59,7 @@ TEST(Slope, StartsToSlideOnlyAboveStaticFriction) {
   // The tangent of 25 degrees is 0.466.
   for (const bool holds : {true, false}) {
     Slope slope(25);
-    slope.run(5, 5, 200, 30);  // what shakes and presses unevenly settles
+    slope.run(5, 5, 200, 30);  // shaking and uneven pressure fade
     const double speed = slope.run(holds ? 0.7 : 0.42, 0.4, 300);
     EXPECT_EQ(std::abs(speed) < 0.01, holds) << speed;
     EXPECT_EQ(speed > 0.3, !holds) << speed;
@@ -146,7 +146,7 @@ std::vector<Case> cases() {
   return cases;
 }
 
-TEST(Colliders, CarryWhatFallsOnThem) {
+TEST(Colliders, CarryBodiesThatFallOnThem) {
   for (const Case& c : cases()) {
     const Model model = make(moved(make_box({0.2, 0.2, 0.2}, 0.05), c.start), neo_hookean(2e5));
     State state = make_state(model, model.rest_positions);
@@ -168,7 +168,7 @@ TEST(Colliders, CarryWhatFallsOnThem) {
 }
 
 /// What one wall presses hard and holds by friction, it would hold inside another wall.
-TEST(Colliders, HoldNothingInsideOneAnother) {
+TEST(Colliders, HoldNoVertexInsideOneAnotherByFriction) {
   for (const double friction : {0.0, 0.3, 1.0}) {
     const Model model = make(moved(make_box({0.2, 0.2, 0.2}, 0.1), {-0.1, -0.1, -0.1}), neo_hookean(1e5));
     State state = make_state(model, model.rest_positions);
@@ -191,7 +191,7 @@ TEST(Colliders, HoldNothingInsideOneAnother) {
 }
 
 /// Two blocks that start in one another, pressed between plates that would hold them by friction: they come apart.
-TEST(Colliders, HoldNothingInsideABody) {
+TEST(Colliders, HoldNoVertexInsideABodyByFriction) {
   const IndexedMesh block = make_box({0.2, 0.2, 0.2}, 0.05);
   const std::array meshes{block, moved(block, {0.15, 0.013, 0})};
   const Model model = make(meshes, neo_hookean(1e5, 0.4));
@@ -210,7 +210,7 @@ TEST(Colliders, HoldNothingInsideABody) {
   EXPECT_LT(kinetic_energy(model, state), 1e-3);
 }
 
-TEST(Colliders, TakeAlongWhatTheyCarry) {
+TEST(Colliders, TakeAlongTheBodiesOnThem) {
   const Model model = make(make_box({0.2, 0.2, 0.1}, 0.05), neo_hookean(1e5));
   State state = make_state(model, model.rest_positions);
   // A floor that moves sideways at 0.5 m/s and then stops: no sliding at 1 m/s^2 below the limit of friction.
@@ -223,7 +223,7 @@ TEST(Colliders, TakeAlongWhatTheyCarry) {
 }
 
 /// Thinner than what moves in a step: from the side that it came from nothing gets to the other.
-TEST(Colliders, LetNothingPassThroughThem) {
+TEST(Colliders, LetNoVertexPassThroughThem) {
   MeshShape plate = cube(1);
   for (Vec3& p : plate.positions) p = (p - Vec3(0.5, 0.5, 0.5)).cwiseProduct(Vec3(4, 4, 0.02));
   const std::vector<std::pair<const char*, decltype(Collider::shape)>> shapes{
@@ -252,7 +252,7 @@ TEST(Colliders, LetNothingPassThroughThem) {
 }
 
 /// Nor where others press it so that their friction holds it, while the plate comes; whichever is listed first.
-TEST(Colliders, LetFrictionPullNothingThroughThem) {
+TEST(Colliders, LetFrictionPullNoVertexThroughThem) {
   MeshShape plate = cube(1);
   for (Vec3& p : plate.positions) p = (p - Vec3(0.5, 0.5, 0.5)).cwiseProduct(Vec3(0.002, 2, 2));
   const Motion press{{{0, Vec3::Zero()}, {0.1, Vec3(0, 0, -0.06)}}};
@@ -275,24 +275,24 @@ TEST(Colliders, LetFrictionPullNothingThroughThem) {
 }
 
 /// A body that starts in the floor is pushed out, and not shot off by its depth a step.
-TEST(Colliders, GiveNoSpeedToWhatStartsInside) {
+TEST(Colliders, GiveNoSpeedToBodiesThatStartInside) {
   const Model model = make(moved(make_box({0.2, 0.2, 0.2}, 0.05), {0, 0, -0.06}), neo_hookean(1e5));
   State state = make_state(model, model.rest_positions);
   XpbdOptions options = without_contact();
   options.gravity.setZero();
   options.iterations = 1;
-  const double thrown = 0.06 / options.time_step;
+  const double ejection_speed = 0.06 / options.time_step;
   XpbdSolver solver(model, state, {}, {{PlaneShape{}}}, options);
   solver.step(state);
   for (const Vec3& p : state.positions) EXPECT_GE(p[2], 0);
-  for (const Vec3& v : state.velocities) EXPECT_LT(v.norm(), 1e-9 * thrown);
+  for (const Vec3& v : state.velocities) EXPECT_LT(v.norm(), 1e-9 * ejection_speed);
   for (int i = 0; i < 100; ++i) {
     solver.step(state);
-    for (const Vec3& v : state.velocities) ASSERT_LT(v.norm(), 0.5 * thrown);
+    for (const Vec3& v : state.velocities) ASSERT_LT(v.norm(), 0.5 * ejection_speed);
   }
 }
 
-TEST(Colliders, PushWhatTheyRunInto) {
+TEST(Colliders, PushBodiesThatTheyRunInto) {
   const Model model = make(moved(make_box({0.2, 0.2, 0.2}, 0.1), {0.3, -0.1, 0.1}), neo_hookean(1e5));
   State state = make_state(model, model.rest_positions);
   MeshShape block = cube(0.4);
@@ -350,7 +350,7 @@ TEST(Colliders, TakeTrianglesWithVerticesOfTheirOwn) {
 }
 
 /// A surface that faces inwards would hold nothing back; the wall of a hollow has to.
-TEST(Colliders, FaceOutwards) {
+TEST(Colliders, MustFaceOutwardsButForHollows) {
   const Model model = make(make_box({0.2, 0.2, 0.2}, 0.2), neo_hookean(1e5));
   const State state = make_state(model, model.rest_positions);
   const MeshShape hollow = facing_inwards(moved_by(cube(1), 0.5, Vec3::Constant(0.25)));

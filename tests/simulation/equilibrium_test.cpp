@@ -16,7 +16,7 @@ Handle hold(const Model& model, const std::function<bool(const Vec3&)>& where) {
   return handle;
 }
 
-State settle(const Model& model, const Handle& handle) {
+State equilibrium_of(const Model& model, const Handle& handle) {
   State state = make_state(model, model.rest_positions);
   XpbdOptions options = without_contact();
   options.time_step = 1.0 / 1500;
@@ -29,10 +29,10 @@ State settle(const Model& model, const Handle& handle) {
 }
 
 // A bar that hangs from its upper end gets longer by rho g L^2 / (2 E).
-TEST(Equilibrium, OfAHangingBarIsTheFormulas) {
+TEST(Equilibrium, OfAHangingBarHasTheLengthOfTheFormula) {
   for (const double youngs_modulus : {2e5, 5e5}) {
     const Model model = make(make_box({0.1, 0.1, 0.5}, 0.05), neo_hookean(youngs_modulus, 0.3));
-    const State state = settle(model, hold(model, [](const Vec3& p) { return p[2] > 0.499; }));
+    const State state = equilibrium_of(model, hold(model, [](const Vec3& p) { return p[2] > 0.499; }));
     double lowest = 0;
     for (const Vec3& p : state.positions) lowest = std::min(lowest, p[2]);
     const double expected = 1000 * 9.81 * 0.25 / (2 * youngs_modulus);
@@ -59,7 +59,7 @@ double energy_of(const Model& model, const std::vector<Vec3>& positions, Index e
 // Where a beam held at one end sags to, the forces of Macklin and Mueller's energy carry the weight of every vertex.
 TEST(Equilibrium, OfASaggingBeamBalancesForces) {
   const Model model = make(make_box({0.4, 0.1, 0.1}, 0.05), neo_hookean(1e5, 0.4));
-  const State state = settle(model, hold(model, [](const Vec3& p) { return p[0] < 0.001; }));
+  const State state = equilibrium_of(model, hold(model, [](const Vec3& p) { return p[0] < 0.001; }));
   double lowest = 0, worst = 0, weight = 0;
   std::vector<Vec3> positions = state.positions;
   for (Index v = 0; v < model.mesh.vertex_count(); ++v) {

@@ -65,7 +65,7 @@ TEST(FreeBody, KeepsItsMomentumInFlight) {
     EXPECT_LT(coarse.momentum, 1e-11);
     EXPECT_LT(fine.momentum, 1e-11);
     // Impulses act along gradients at the end of the step: first order in the step.
-    EXPECT_LT(coarse.angular_momentum, 0.05);
+    EXPECT_LT(coarse.angular_momentum, 0.05);  // a regression mark; that it halves is the law
     EXPECT_LT(fine.angular_momentum, 0.5 * coarse.angular_momentum);
     // Implicit: energy is lost, never gained.
     EXPECT_LT(coarse.gained_energy, 1e-6);
@@ -88,7 +88,7 @@ TEST(FreeBody, ComesToRestAfterAStretch) {
   }
 }
 
-TEST(FreeBody, IsDampedWithoutBeingHeldBack) {
+TEST(FreeBody, LosesEnergyOfStretchingByDampingAndNoneOfItsFlight) {
   const auto energy_after = [](double damping, bool stretched) {
     Material material = neo_hookean(1e5);
     material.damping = damping;

@@ -166,7 +166,7 @@ class Twin {
     }
   }
 
-  void solve(std::vector<VertexRow>& rows, const std::vector<VertexRow>& start, int iterations) {
+  void solve(std::vector<StepVertex>& rows, const std::vector<StepVertex>& start, int iterations) {
     std::vector<double> multipliers(constraints_.size(), 0);
     for (int iteration = 0; iteration < iterations; ++iteration)
       for (std::size_t n = 0; n < constraints_.size(); ++n)
@@ -203,14 +203,14 @@ class Twin {
     add(second, vertices, material);
   }
 
-  static std::vector<Vec3> gather(const std::vector<VertexRow>& rows, const std::vector<Index>& vertices) {
+  static std::vector<Vec3> gather(const std::vector<StepVertex>& rows, const std::vector<Index>& vertices) {
     std::vector<Vec3> x;
     for (const Index v : vertices) x.push_back(Eigen::Map<const Eigen::Vector3d>(rows[v].position));
     return x;
   }
 
-  static void solve_one(const Constraint& c, double damping, double& multiplier, std::vector<VertexRow>& rows,
-                        const std::vector<VertexRow>& start) {
+  static void solve_one(const Constraint& c, double damping, double& multiplier, std::vector<StepVertex>& rows,
+                        const std::vector<StepVertex>& start) {
     const std::vector<Vec3> x = gather(rows, c.vertices), gradients = c.gradients(x);
     double residual = c.value(x) + c.compliance * multiplier, weight = 0;
     const std::vector<Vec3> from = gather(start, c.vertices);
@@ -222,7 +222,7 @@ class Twin {
     const double change = -residual / ((1 + damping) * weight + c.compliance + bound);
     multiplier += change;
     for (std::size_t i = 0; i < x.size(); ++i) {
-      VertexRow& row = rows[c.vertices[i]];
+      StepVertex& row = rows[c.vertices[i]];
       for (int axis = 0; axis < 3; ++axis) row.position[axis] += row.inverse_mass * change * gradients[i][axis];
     }
   }
@@ -234,10 +234,10 @@ class Twin {
 };
 
 /// Vertices off their rest by up to so much, a few of them pinned.
-std::vector<VertexRow> shaken(const Model& model, double reach, unsigned seed) {
+std::vector<StepVertex> shaken(const Model& model, double reach, unsigned seed) {
   std::mt19937 engine(seed);
   std::uniform_real_distribution<double> uniform(-reach, reach);
-  std::vector<VertexRow> rows;
+  std::vector<StepVertex> rows;
   for (Index v = 0; v < model.mesh.vertex_count(); ++v) {
     const Vec3& p = model.rest_positions[v];
     const double x = p[0] + uniform(engine), y = p[1] + uniform(engine), z = p[2] + uniform(engine);
@@ -256,15 +256,15 @@ void compare_with_twin(const Model& model) {
   const MaterialBlocks blocks = make_material_blocks(model);
   for (const double reach : {0.001, 0.01, 0.1}) {
     const auto start = shaken(model, 0.001, 1);
-    std::vector<VertexRow> before = shaken(model, reach, 2), expected = before;
+    std::vector<StepVertex> before = shaken(model, reach, 2), expected = before;
     const int iterations = 2;
     Model pinned = model;  // the twin bounds its moves by the masses that the kernel is given
     for (Index v = 0; v < model.mesh.vertex_count(); ++v) pinned.inverse_masses[v] = before[v].inverse_mass;
     Twin(pinned, blocks, time_step).solve(expected, start, iterations);
-    std::vector<VertexRow> first;
+    std::vector<StepVertex> first;
     for (const Variant& variant : variants()) {
       MaterialSolver solver(model, time_step);
-      std::vector<VertexRow> rows = before;
+      std::vector<StepVertex> rows = before;
       solver.solve(rows, start, 0, iterations, variant.solve);
       double worst = 0;
       for (std::size_t v = 0; v < rows.size(); ++v)
@@ -272,13 +272,13 @@ void compare_with_twin(const Model& model) {
           worst = std::max(worst, std::abs(rows[v].position[axis] - expected[v].position[axis]));
       EXPECT_LT(worst, 1e-9) << variant.name << ", reach " << reach;
       if (first.empty()) first = rows;
-      EXPECT_EQ(std::memcmp(rows.data(), first.data(), sizeof(VertexRow) * rows.size()), 0) << variant.name;
+      EXPECT_EQ(std::memcmp(rows.data(), first.data(), sizeof(StepVertex) * rows.size()), 0) << variant.name;
     }
   }
 }
 
 // In the small box most batches are less than half full: every element at an inner vertex needs another one.
-TEST_P(Kernel, DoesWhatTheTwinDoesAndTheSameOnEveryInstructionSet) {
+TEST_P(Kernel, EqualsTheTwinAndGivesTheSameBitsOnEveryInstructionSet) {
   for (const Vec3& size : {Vec3(0.4, 0.3, 0.2), Vec3(0.1, 0.1, 0.1)})
     for (const double damping : {0.0, 0.002}) {
       SCOPED_TRACE(testing::Message() << "a box of " << size[0] << " m, damping " << damping);
@@ -293,9 +293,9 @@ TEST(Kernel, LeavesPinnedAndCollapsedElementsFinite) {
     const Model model = make(make_box({0.2, 0.2, 0.2}, 0.1), material);
     MaterialSolver solver(model, 1.0 / 300);
     for (const bool pinned : {false, true}) {
-      std::vector<VertexRow> rows(model.mesh.vertex_count(), {{0.5, 0.5, 0.5}, pinned ? 0.0 : 1.0});
+      std::vector<StepVertex> rows(model.mesh.vertex_count(), {{0.5, 0.5, 0.5}, pinned ? 0.0 : 1.0});
       solver.solve(rows, rows, 0, 3);
-      for (const VertexRow& row : rows)
+      for (const StepVertex& row : rows)
         for (const double x : row.position) ASSERT_TRUE(std::isfinite(x));
     }
   }

@@ -60,14 +60,14 @@ void compare_with_places(const Shape& shape, const char* name) {
   EXPECT_GT(std::min({through, past, ending}), test::quota(ways, 0.1)) << name;
 }
 
-TEST(Passage, IsThatOfManyPlacesTried) {
+TEST(Passage, IsThatOfDensePointsOnTheWay) {
   compare_with_places(SphereShape{{0.2, 0.1, 0}, 0.7}, "sphere");
   compare_with_places(CylinderShape{{0, 0.1, 0.1}, Vec3(1, 2, 3).normalized(), 0.6, 1}, "cylinder");
   compare_with_places(mesh_collider(make_ball(0.8, 0.3)), "ball");
   compare_with_places(mesh_collider(make_torus(0.8, 0.35, 0.2)), "torus");
 }
 
-TEST(Passage, LeadsBackOnlyWhereItWentThrough) {
+TEST(Passage, LeadsBackOnlyWhereTheWayWentThrough) {
   const CylinderShape plate{Vec3::Zero(), Vec3::UnitZ(), 2, 0.1};
   // Through, to past the middle, and not as far.
   for (const double depth : {0.5, 0.08, 0.02}) {

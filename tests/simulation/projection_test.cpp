@@ -1,4 +1,4 @@
-// What a contact does to the vertices that it moves.
+// A contact and the vertices that it moves.
 #include "simulation/xpbd/project_contacts.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@ namespace {
 
 /// A vertex below the middle of a face that looks up, or where a test puts it.
 struct Scratch {
-  std::vector<VertexRow> rows;
+  std::vector<StepVertex> rows;
   std::vector<Vec3> start;
   std::vector<double> max_corrections = std::vector<double>(4, 1);
   Contact contact;
@@ -81,7 +81,7 @@ TEST(Projection, LeavesPinnedVerticesWhereTheyAre) {
 }
 
 /// Where all else is held, a vertex would have to move by the depth over its weight.
-TEST(Projection, ThrowsNoVertexThatHasLittleWeight) {
+TEST(Projection, MovesNoVertexOfLittleWeightFar) {
   for (const double weight : {0.4, 1e-2, 1e-6, 1e-300}) {
     Scratch held({0, 0, 0, 1}, {0.5, 0.5 - weight, weight}, 0.1);
     held.project({1, 1});
@@ -92,7 +92,7 @@ TEST(Projection, ThrowsNoVertexThatHasLittleWeight) {
 }
 
 /// A point of an edge close to its end, at a face that has this end too: together they move the point by little.
-TEST(Projection, ThrowsNoVertexOfAnEdgeAtItsOwnFace) {
+TEST(Projection, MovesNoVertexOfAnEdgeAtItsOwnFaceFar) {
   Scratch scratch({1, 1, 1, 1}, {0.5, 0.5, 0}, 0.1);
   scratch.contact.count = 3;
   scratch.contact.weights = {0.1, -0.05, -0.05};
@@ -102,7 +102,7 @@ TEST(Projection, ThrowsNoVertexOfAnEdgeAtItsOwnFace) {
   EXPECT_GT(scratch.moved(0)[2], 0.1);
 }
 
-TEST(Projection, OfTwoLikeBodiesMovesBothAlike) {
+TEST(Projection, MovesTwoEqualBodiesEquallyFar) {
   Scratch scratch({1, 1, 1, 1}, {1, 0, 0}, 0.1);
   scratch.project();
   EXPECT_NEAR(scratch.moved(0)[2], 0.05, 1e-15);
@@ -110,8 +110,8 @@ TEST(Projection, OfTwoLikeBodiesMovesBothAlike) {
   EXPECT_EQ(scratch.moved(2), Vec3::Zero().eval());
 }
 
-/// Only what a path sends out, and by the least of all largest corrections.
-TEST(Projection, SendsNothingFartherThanItsVerticesReach) {
+/// Only contacts by DCD, and by the least of the largest corrections.
+TEST(Projection, SendsNoPointFartherThanTheLeastOfItsLargestCorrections) {
   for (const auto kind : {ContactKind::kVertexPath, ContactKind::kVertexFace}) {
     Scratch scratch({1, 1, 1, 1}, {0.2, 0.3, 0.5}, 0.1);
     scratch.contact.kind = kind;
@@ -122,7 +122,7 @@ TEST(Projection, SendsNothingFartherThanItsVerticesReach) {
 }
 
 /// As far as it was, at most by a little; what was inside comes out to the surface.
-TEST(Projection, KeepsWhatMeetsASurfaceInFrontOfIt) {
+TEST(Projection, KeepsPointsByCcdInFrontOfTheSurface) {
   struct Meeting {
     ContactKind kind;
     double before, after;
@@ -139,7 +139,7 @@ TEST(Projection, KeepsWhatMeetsASurfaceInFrontOfIt) {
   }
 }
 
-TEST(Projection, LeavesWhatIsOutsideAlone) {
+TEST(Projection, MovesNothingWhereThePointIsOutside) {
   Scratch scratch({1, 1, 1, 1}, {0.2, 0.3, 0.5}, -0.1);
   scratch.project({1, 1});
   for (int i = 0; i < 4; ++i) EXPECT_EQ(scratch.moved(i), Vec3::Zero().eval());

@@ -1,4 +1,4 @@
-// What a solver takes from its user, and hands out: a constraint between iterations, and the contacts of a step.
+// The user's side of a solver: a constraint between iterations, and the contacts of a step.
 #include "selvage/core/error.h"
 #include "simulation/bodies.h"
 

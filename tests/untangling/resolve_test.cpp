@@ -160,7 +160,7 @@ IndexedMesh placed(IndexedMesh mesh, const Eigen::AngleAxisd& rotation, const Ve
   return mesh;
 }
 
-/// What is cut right through goes back by its shorter end, far though that is, and is not crumpled.
+/// A limb that is cut right through goes back by its shorter end, far though that is, and is not crumpled.
 void expect_drawn_through(const IndexedMesh& through, double shorter_end) {
   const IndexedMesh sheet = placed(make_box({2, 2, 0.1}, 0.1), Eigen::AngleAxisd::Identity(), Vec3::Zero());
   const Resolved r = resolve(concatenate(std::array{sheet, through}));

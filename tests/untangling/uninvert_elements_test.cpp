@@ -90,7 +90,7 @@ TEST(UninvertElements, GivesTheSameBitsForAnyNumberOfThreads) {
   }
 }
 
-// Elements that are all but flat at rest give way to a thickness that others can live with.
+// Elements that are almost flat at rest take a thickness with which the others stay positive.
 TEST(UninvertElements, RestoresElementsThatAreAlmostFlatAtRest) {
   Block block;
   std::vector<Vec3> rest = block.rest;

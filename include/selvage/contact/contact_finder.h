@@ -8,7 +8,7 @@
 
 namespace selvage {
 
-/// What the search for penetrating vertices and edges did. The same for any number of threads.
+/// Counts of the search for penetrating vertices and edges. The same for any number of threads.
 struct PenetrationCounters {
   std::int64_t features = 0;         ///< boundary vertices and edges asked about
   std::int64_t searched = 0;         ///< those near a crossing of the boundary with itself, which were located
@@ -18,8 +18,8 @@ struct PenetrationCounters {
   PenetrationCounters& operator+=(const PenetrationCounters& other);
 };
 
-/// What one step's detection did: from begin_step() to the end of find_contacts(). All but the seconds are the same for
-/// any number of threads.
+/// Counts and times of one step's detection, from begin_step() to the end of find_contacts(). All but the seconds are
+/// the same for any number of threads.
 struct ContactStatistics {
   std::array<std::int64_t, kContactKinds> contacts{};  ///< by ContactKind
 

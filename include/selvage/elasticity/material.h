@@ -10,7 +10,7 @@ enum class MaterialKind : std::uint8_t {
   kNeoHookean,  ///< Macklin and Mueller 2021: a deviatoric and a hydrostatic constraint an element
 };
 
-/// What a body is made of.
+/// The material of a body.
 ///
 /// Neo-Hookean: the energy per rest volume is mu/2 (|F|^2 - 3) + (lambda + mu)/2 (det F - 1 - mu / (lambda + mu))^2, up
 /// to a constant, where lambda and mu follow from Young's modulus and Poisson's ratio; small strains are Hooke's law
@@ -24,8 +24,8 @@ struct Material {
   double poisson_ratio = 0.45;   ///< Neo-Hookean, in [0, 0.5)
   double edge_compliance = 0;    ///< mass-spring [m/N], 0: rigid
   double volume_compliance = 0;  ///< mass-spring [m^6/J], 0: incompressible
-  /// Damping relative to stiffness [s]: what stretches at the rate of 1/s is damped as if it were stretched by so much
-  /// (XPBD, equation 26). Acts on the constraints' own rates, so that rigid motion is free.
+  /// Damping relative to stiffness [s]: stretching at a rate r is resisted like a stretch of damping * r (XPBD,
+  /// equation 26). Acts on the rates of the constraints, so that rigid motion is not damped.
   double damping = 0;
 };
 

@@ -21,8 +21,8 @@ namespace selvage {
 ///
 /// topology.bin: elements (n_elements x 4 int32), body of each vertex (n_vertices int32), boundary faces (rest x 3
 /// int32, outward). frames/frame_000000.bin: positions (n_vertices x 3 float32) [m]. checkpoint.bin: positions and
-/// velocities (twice n_vertices x 3 float64). Frames are for eyes, to which single precision is exact; what a run is
-/// continued from, and what its statistics are measured on, is double.
+/// velocities (twice n_vertices x 3 float64). Frames are for viewing, for which single precision suffices. Runs are
+/// continued, and statistics measured, in double precision.
 struct FrameHeader {
   std::array<char, 8> magic{'s', 'e', 'l', 'v', 'a', 'g', 'e', 0};
   std::int32_t schema = 1;

@@ -7,7 +7,7 @@
 
 namespace selvage {
 
-/// What happened in one frame: counts summed over its steps, and what is true at its end.
+/// Statistics of one frame: counts summed over its steps, and measurements at its end.
 struct FrameStatistics {
   std::int64_t frame = 0;
   double time = 0;         ///< at its end [s]
@@ -26,7 +26,7 @@ struct FrameStatistics {
   double kinetic_energy = 0;  ///< [J]
   double fastest = 0;         ///< speed of the fastest vertex [m/s]
 
-  // What it cost. Not part of the answer: a run that was continued has other hierarchies than one that never stopped,
+  // Costs. They are no part of the result: a run that was continued has other hierarchies than one that never stopped,
   // and visits other nodes.
   std::int64_t volumes = 0, traversals = 0, path_elements = 0;  ///< of shortest paths (SPB table 1)
   // Time spent [s]: material solve; projections and friction; DCD at the start and end of steps with the refits that it
@@ -37,7 +37,7 @@ struct FrameStatistics {
 
 enum class SurfaceFormat : std::uint8_t { kNoSurface, kPly, kObj };
 
-/// What to run, and what to write besides frames, statistics and checkpoints.
+/// Options of a run, and files to write besides frames, statistics and checkpoints.
 struct RunOptions {
   std::filesystem::path folder;                       ///< made if it is not there
   std::optional<std::int64_t> frames{};               ///< instead of the scene's
@@ -57,7 +57,7 @@ enum class RunOutcome : std::uint8_t {
 
 struct RunReport {
   RunOutcome outcome = RunOutcome::kFinished;
-  std::string message;                  ///< unless finished: what happened, in which frame
+  std::string message;                  ///< unless finished: the frame, and why the run stopped there
   std::int64_t first_frame = 0;         ///< that this call began or continued from
   std::vector<FrameStatistics> frames;  ///< from frame 0 on, those of earlier calls too
   std::uint64_t fingerprint = 0;        ///< of every bit of the positions and velocities after the last frame

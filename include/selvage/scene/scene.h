@@ -8,7 +8,7 @@
 
 namespace selvage {
 
-/// A scene ready to run: what its file says, with all meshes read or made.
+/// A scene ready to run: the contents of its file, with all meshes read or made.
 struct Scene {
   std::string name;   ///< of the file, without folder and extension
   std::string scale;  ///< empty: as the file stands

@@ -13,7 +13,7 @@ struct PlaneShape {
   Vec3 normal = Vec3::UnitZ();
 };
 
-/// Everything stays inside a box.
+/// A container: everything stays inside a box.
 struct BoxContainer {
   Vec3 lower, upper;  ///< [m]
 };
@@ -45,8 +45,9 @@ struct MeshShape {
   std::vector<VertexTuple<3>> triangles;
 };
 
-/// What bodies cannot pass: it moves by its motion and feels nothing. Vertices are kept out of it; a corner of a
-/// collider that is sharper than the elements near it can reach between vertices.
+/// A rigid obstacle or container that moves by its motion, whatever meets it. It keeps the vertices of bodies out of
+/// its shape, or inside for a container. A corner of the shape that is sharper than the elements near it can reach in
+/// between their vertices.
 struct Collider {
   std::variant<PlaneShape, BoxContainer, Bowl, SphereShape, CylinderShape, MeshShape> shape;
   Motion motion{};

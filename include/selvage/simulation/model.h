@@ -18,7 +18,7 @@ struct Body {
   Vec3 initial_velocity = Vec3::Zero();  ///< [m/s]
 };
 
-/// What stays the same during a run.
+/// Bodies with their materials: constant during a run.
 struct Model {
   TetMesh mesh;                        ///< all bodies in one mesh
   std::vector<Vec3> rest_positions;    ///< (n_vertices) [m]: where no element is stressed
@@ -32,7 +32,7 @@ struct Model {
 ///                element's body, a material is out of range, or an element is not positive at rest; it names which
 Model make_model(TetMesh mesh, std::vector<Vec3> rest_positions, std::vector<Body> bodies);
 
-/// What changes during a run: what a checkpoint holds.
+/// Positions and velocities at a time: the contents of a checkpoint.
 struct State {
   std::vector<Vec3> positions;   ///< (n_vertices) [m]
   std::vector<Vec3> velocities;  ///< (n_vertices) [m/s]

@@ -6,7 +6,7 @@
 
 namespace selvage {
 
-/// Where a motion has come to at a time.
+/// Translation and angle of a motion at a time.
 struct Keyframe {
   double time = 0;                  ///< [s]
   Vec3 translation = Vec3::Zero();  ///< [m]
@@ -22,8 +22,9 @@ struct RigidTransform {
   Vec3 invert(const Vec3& p) const { return rotation.transpose() * (p - translation); }
 };
 
-/// Rigid motion by key-frames: translation and angle are linear in between and constant before the first and after the
-/// last; without any, rest. The rotation is about `axis` through `centre`, which moves with the translation.
+/// Rigid motion by key-frames. Translation and angle are linear in between, and constant before the first and after the
+/// last; without key-frames nothing moves. The rotation is about `axis` through `centre`, which moves with the
+/// translation.
 struct Motion {
   std::vector<Keyframe> keyframes{};  ///< ascending in time
   Vec3 axis = Vec3::UnitZ();          ///< of any length but 0
@@ -32,8 +33,8 @@ struct Motion {
   RigidTransform at(double time) const;
 };
 
-/// Vertices that follow a motion from where they are in the state that the solver is made with, and push and pull
-/// what is tied to them: pin (no key-frames), translate, rotate, twist, pull, press.
+/// Vertices that follow a motion, from where they are in the state that the solver is made with, and take their
+/// elements along. Pins have no key-frames.
 struct Handle {
   std::vector<Index> vertices;
   Motion motion{};

@@ -7,7 +7,7 @@
 
 namespace selvage {
 
-/// What every solver needs to know of a time step.
+/// Options of a time step that all solvers share.
 struct StepOptions {
   double time_step = 1.0 / 300;                                ///< [s] of one step
   Vec3 gravity{0, 0, -9.81};                                   ///< [m/s^2]
@@ -18,7 +18,7 @@ struct StepOptions {
   ContactOptions contact{};  ///< of bodies with one another and with themselves
 };
 
-/// What one step did, and how long its parts took. Shares of the step are `seconds_material`, the seconds of `contact`
+/// Counts and times of one step. Shares of the step are `seconds_material`, the seconds of `contact`
 /// and `seconds_projection`; the rest of `seconds` goes to prediction and velocities.
 struct StepStatistics {
   std::int64_t constraints = 0;        ///< material constraints solved, over all iterations

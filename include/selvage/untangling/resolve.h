@@ -45,7 +45,7 @@ enum class ResolveOutcome : std::uint8_t {
   kResolved,  ///< nothing meets, nothing penetrates, no element is inverted
   kStuck,     ///< no progress for ResolveOptions::patience iterations
   kGaveUp,    ///< ResolveOptions::max_iterations did not suffice
-  kHeld,      ///< impossible: what is pinned meets itself or is inverted; nothing was moved
+  kHeld,      ///< impossible: pinned elements collide or are inverted; nothing was moved
 };
 
 struct ResolveReport {

@@ -93,7 +93,7 @@ std::vector<SurfacePiece> pieces_of(const TriangleMesh& mesh, std::span<const Ve
   return pieces;
 }
 
-/// A surface that faces inwards holds nothing back: only the wall of a hollow may, inside another piece.
+/// A surface that faces inwards would hold back no vertex. Only the wall of a hollow inside another piece may.
 void check_outward(const std::string& where, const TriangleMesh& mesh, std::span<const Vec3> positions) {
   if (!mesh.is_oriented())
     throw Error(where, "its triangles do not agree on which side is outside", "turn those round that face inwards");

@@ -9,7 +9,7 @@ namespace selvage {
 
 namespace {
 
-/// Part of a shape's size by which a way may begin inside of it: rounding of what was set on its surface.
+/// Part of a shape's size by which a way may begin inside it: rounding of points that were set on its surface.
 constexpr double kOnSurface = 1e-9;
 
 /// The part of a line that is inside a convex shape, as parameters of the line, and the normals at its ends.
@@ -29,7 +29,7 @@ struct Chord {
   }
 };
 
-/// Parameters at which from + t way is so far from the origin.
+/// Parameters t at which from + t way is at the given distance from the origin.
 std::optional<std::array<double, 2>> cross_round(const Vec3& from, const Vec3& way, double radius) {
   const double a = way.squaredNorm(), b = from.dot(way), c = from.squaredNorm() - radius * radius;
   const double root = b * b - a * c;

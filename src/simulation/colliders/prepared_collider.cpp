@@ -23,7 +23,7 @@ Vec3 make_unit(const Vec3& direction, const std::string& where, std::string_view
   return direction.normalized();
 }
 
-/// The shapes that a collider's shape is made of: one, or the six walls of a container, which face inwards.
+/// The prepared shapes of a collider: one, or the six planes of a BoxContainer.
 using PreparedShapes = std::vector<decltype(PreparedCollider::shape)>;
 
 PreparedShapes prepare_shape(const std::string& where, PlaneShape plane) {

@@ -9,15 +9,15 @@
 
 namespace selvage {
 
-/// A collider as the solvers use it. A BoxContainer becomes six planes.
+/// A collider as solvers use it. A BoxContainer becomes six planes.
 struct PreparedCollider {
   std::variant<PlaneShape, Bowl, SphereShape, CylinderShape, MeshCollider> shape;
   Motion motion;
   Friction friction;
 };
 
-/// Where a point is inside a shape, in the collider's own coordinates: where it is at rest. Asked of every vertex, and
-/// few are inside.
+/// The shortest way out of a shape in the collider's own coordinates; nothing for a point outside. Inline, since it is
+/// called for every vertex, of which few are inside.
 inline std::optional<Hit> find_hit(const PlaneShape& plane, const Vec3& p) {
   const double height = plane.normal.dot(p - plane.point);
   if (height >= 0) return {};
@@ -59,8 +59,8 @@ std::vector<PreparedCollider> prepare_colliders(std::span<const Collider> collid
 /// @throws Error  when a motion is impossible
 void check_motion(const std::string& where, const Motion& motion);
 
-/// Whether no point of a box is inside a shape, for certain: most vertices are far from all colliders, and are passed
-/// over many at a time.
+/// Whether certainly no point of a box is inside a shape. Most vertices are far from all colliders, and are skipped
+/// many at a time.
 inline bool is_clear(const PlaneShape& plane, const Eigen::AlignedBox3d& box) {
   const Vec3 middle = box.center() - plane.point, half = 0.5 * box.sizes();
   const double size = box.min().lpNorm<1>() + box.max().lpNorm<1>() + plane.point.lpNorm<1>();

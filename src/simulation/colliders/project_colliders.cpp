@@ -13,13 +13,13 @@ constexpr std::int64_t kVertexGrain = 1024;
 /// Vertices that are skipped together where a collider is far from all of them.
 constexpr std::int64_t kVertexRun = 128;
 
-Eigen::Map<Eigen::Vector3d> position(VertexRow& vertex) {
+Eigen::Map<Eigen::Vector3d> position(StepVertex& vertex) {
   return Eigen::Map<Eigen::Vector3d>(vertex.position);
 }
 
-Eigen::AlignedBox3d box_around(std::span<const VertexRow> vertices) {
+Eigen::AlignedBox3d box_around(std::span<const StepVertex> vertices) {
   Eigen::AlignedBox3d box;
-  for (const VertexRow& vertex : vertices) box.extend(Eigen::Map<const Eigen::Vector3d>(vertex.position));
+  for (const StepVertex& vertex : vertices) box.extend(Eigen::Map<const Eigen::Vector3d>(vertex.position));
   return box;
 }
 
@@ -30,12 +30,12 @@ struct MovingCollider {
   bool is_fixed = collider.motion.keyframes.empty();
 
   /// In the collider's own coordinates, at the end of the step.
-  Vec3 to_local(VertexRow& vertex) const { return is_fixed ? Vec3(position(vertex)) : end.invert(position(vertex)); }
+  Vec3 to_local(StepVertex& vertex) const { return is_fixed ? Vec3(position(vertex)) : end.invert(position(vertex)); }
 
   /// @param surface  what starts the step no deeper inside lies on the surface [m]; infinite: all does
   template <typename Shape>
   ColliderContacts push_out(const Shape& shape, const Step& step, std::int64_t v, double surface, const Vec3& ejected,
-                            ColliderContactState& state, VertexRow& vertex) const {
+                            ColliderContactState& state, StepVertex& vertex) const {
     const Vec3 p = to_local(vertex);
     const Vec3 was = start.invert(step.positions[v]);
     const std::optional<Hit> hit = find_hit_on_way(shape, was, p);
@@ -60,7 +60,7 @@ struct MovingCollider {
   }
 
   /// Moves a vertex that friction has left inside, or beyond, to the surface once more.
-  void set_on_surface(const Step& step, std::int64_t v, VertexRow& vertex) const {
+  void set_on_surface(const Step& step, std::int64_t v, StepVertex& vertex) const {
     const Vec3 p = to_local(vertex);
     const Vec3 was = start.invert(step.positions[v]);
     const std::optional<Hit> hit =
@@ -73,12 +73,13 @@ struct MovingCollider {
 
 ColliderContacts project_colliders(std::span<const PreparedCollider> colliders, const Step& step,
                                    std::span<const double> max_corrections, std::span<const Vec3> ejected,
-                                   std::span<ColliderContactState> states, std::span<VertexRow> vertices) {
+                                   std::span<ColliderContactState> states, std::span<StepVertex> vertices) {
   if (colliders.empty()) return {};
   std::vector<MovingCollider> moving;
   bool any_far_side = false;
   for (const PreparedCollider& collider : colliders) {
-    moving.push_back({collider, collider.motion.at(step.start_time), collider.motion.at(step.end_time)});
+    moving.push_back(
+        {.collider = collider, .start = collider.motion.at(step.start_time), .end = collider.motion.at(step.end_time)});
     any_far_side |= std::visit([](const auto& s) { return kHasFarSide<std::decay_t<decltype(s)>>; }, collider.shape);
   }
   const std::size_t count = moving.size();

@@ -3,13 +3,13 @@
 #include "selvage/contact/friction.h"
 #include "simulation/colliders/prepared_collider.h"
 #include "simulation/step.h"
-#include "simulation/vertex_row.h"
+#include "simulation/step_vertex.h"
 
 #include <algorithm>
 
 namespace selvage {
 
-/// What a collider has done to a vertex in the last step in which it pushed the vertex. Few vertices meet a collider,
+/// Pushes of a vertex by a collider in the last step in which there were any. Few vertices meet a collider,
 /// so that these are reset one by one when a step first uses them.
 struct ColliderContactState {
   FrictionState friction;
@@ -42,6 +42,6 @@ struct ColliderContacts {
 /// @param states           (n_vertices x n_colliders); updated
 ColliderContacts project_colliders(std::span<const PreparedCollider> colliders, const Step& step,
                                    std::span<const double> max_corrections, std::span<const Vec3> ejected,
-                                   std::span<ColliderContactState> states, std::span<VertexRow> vertices);
+                                   std::span<ColliderContactState> states, std::span<StepVertex> vertices);
 
 }  // namespace selvage

@@ -40,7 +40,7 @@ class TimeStep {
   void finish(State& state);
 
   /// (n_vertices) where vertices are in this step; those that handles hold have no inverse mass.
-  std::span<VertexRow> vertices() { return vertices_; }
+  std::span<StepVertex> vertices() { return vertices_; }
   /// Of the last find_contacts().
   std::span<const Contact> contacts() const { return contacts_; }
   /// Begun last.
@@ -76,7 +76,7 @@ class TimeStep {
   Step step_{};
   std::int64_t steps_begun_ = 0;
   std::int64_t state_steps_ = 0;  ///< State::steps at the start of the step
-  std::vector<VertexRow> vertices_;
+  std::vector<StepVertex> vertices_;
   std::vector<Vec3> candidate_;  ///< (n_vertices) end of the step as find_contacts() takes it
   std::vector<Contact> contacts_;
   std::vector<Vec3> ejected_;

@@ -18,8 +18,8 @@ std::uint64_t spread_bits(std::uint64_t x) {
   return x;
 }
 
-/// Slabs of a body at most, and as many as need not be cut into columns.
-constexpr Index kMaxSlabs = 64, kManySlabs = 32;
+/// Largest number of slabs of a body; number from which on slabs are not cut into columns.
+constexpr Index kMaxSlabs = 64, kMinUncutSlabs = 32;
 
 /// Orders the elements of one body.
 class BodyCutter {
@@ -48,7 +48,7 @@ class BodyCutter {
   std::vector<BodyPart> cut(std::vector<Index>& ordered) {
     const ElementRange all = {0, body_.element_count};
     sort(all, axes_[0]);
-    const Index slabs = count_parts(all, kMaxSlabs), columns = slabs < kManySlabs ? cut_columns(all, slabs) : 1;
+    const Index slabs = count_parts(all, kMaxSlabs), columns = slabs < kMinUncutSlabs ? cut_columns(all, slabs) : 1;
     std::vector<BodyPart> parts;
     for (Index slab = 0; slab < slabs; ++slab)
       for (Index column = 0; column < columns; ++column) {
@@ -72,7 +72,7 @@ class BodyCutter {
     Index element;
   };
 
-  /// The first and the last of the elements at a vertex, by their places in a run.
+  /// First and last element at a vertex, by their places in a run.
   struct Extent {
     Index first = kNone, last = kNone;
   };
@@ -84,7 +84,7 @@ class BodyCutter {
   }
 
   /// Sorts each slab across the second side.
-  /// @return into how many columns all can be cut
+  /// @return number of columns into which all of them can be cut
   Index cut_columns(const ElementRange& all, Index slabs) {
     Index columns = kMaxSlabs;
     for (Index slab = 0; slab < slabs; ++slab) {
@@ -94,9 +94,9 @@ class BodyCutter {
     return columns;
   }
 
-  /// Into how many parts a run can be cut that leave enough for a block in each, while none touches any but the next;
-  /// two or a multiple of four, so that threads have as many each of every colour.
-  Index count_parts(const ElementRange& run, Index most) {
+  /// Largest number of parts of a run that each hold a block and touch their neighbours alone: two or a multiple of
+  /// four, so that threads share the parts of each colour evenly.
+  Index count_parts(const ElementRange& run, Index max_count) {
     visit_extents(run, [](Extent& extent, Index place) {
       if (extent.first == kNone) extent.first = place;
       extent.last = place;
@@ -105,7 +105,7 @@ class BodyCutter {
     visit_extents(run, [&](Extent& extent, Index) {
       if (extent.first != kNone) extents.push_back(std::exchange(extent, {}));
     });
-    for (Index count = std::min(run.size() / kBlockElements, most); count > 1; --count)
+    for (Index count = std::min(run.size() / kBlockElements, max_count); count > 1; --count)
       if ((count == 2 || count % 4 == 0) && std::all_of(extents.begin(), extents.end(), [&](const Extent& extent) {
             return run.part_of(extent.last, count) - run.part_of(extent.first, count) <= 1;
           }))

@@ -10,9 +10,9 @@ inline namespace SELVAGE_ISA {
 
 using Wide3 = WideDouble[3];
 
-/// Below this squared strain an element is at rest: what a sum of a few numbers near 1 can be off by, squared.
+/// Squared strain below which an element counts as at rest: the rounding of a sum of a few numbers near 1, squared.
 inline constexpr double kMinSquaredStrain = 1e-30;
-/// In place of a denominator of zero: that of a rigid constraint between pinned vertices, which nothing moves.
+/// In place of a denominator of zero: that of a rigid constraint between pinned vertices, which never move.
 inline constexpr double kMinDenominator = 1e-100;
 
 SELVAGE_INLINE WideDouble constant(double x) {
@@ -31,9 +31,9 @@ SELVAGE_INLINE void cross(const Wide3& a, const Wide3& b, Wide3& r) {
 
 /// The vertices of the block that is being solved, and those that stand in for missing ones.
 struct BlockRows {
-  /// A cache line: what is damped needs both.
+  /// A cache line: a damped material needs both.
   struct alignas(64) Row {
-    VertexRow now, start;
+    StepVertex now, start;
   };
   Row rows[kBlockRows];
 
@@ -48,7 +48,7 @@ struct BlockRows {
       if constexpr (kDamped) rows[i].start = task.start[vertices[i]];
     }
     for (int k = 0; k < 4; ++k) {
-      const VertexRow missing = {{double(k == 1), double(k == 2), double(k == 3)}, 0};
+      const StepVertex missing = {{double(k == 1), double(k == 2), double(k == 3)}, 0};
       rows[vertices.size() + k] = {missing, missing};
     }
   }

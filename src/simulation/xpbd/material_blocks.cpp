@@ -132,8 +132,13 @@ class BlockMaker {
       const PackedPiece& packed = packed_[piece];
       const auto element_batches = static_cast<Index>(packed.elements.size() / kBatch);
       const auto edge_batches = static_cast<Index>(packed.edges.size() / kBatch);
-      result_.blocks.push_back({pieces_[piece].body, vertices, vertices + packed.vertex_count(), elements,
-                                elements + element_batches, edges, edges + edge_batches});
+      result_.blocks.push_back({.body = pieces_[piece].body,
+                                .first_vertex = vertices,
+                                .last_vertex = vertices + packed.vertex_count(),
+                                .first_element_batch = elements,
+                                .last_element_batch = elements + element_batches,
+                                .first_edge_batch = edges,
+                                .last_edge_batch = edges + edge_batches});
       vertices += packed.vertex_count();
       elements += element_batches;
       edges += edge_batches;

@@ -1,19 +1,19 @@
 #pragma once
 
 #include "selvage/simulation/model.h"
-#include "simulation/vertex_row.h"
+#include "simulation/step_vertex.h"
 
 namespace selvage {
 
-/// Numbers of a vertex in a block: a VertexRow, and the same at the start of the step.
+/// Numbers of a vertex in a block: a StepVertex, and the same at the start of the step.
 inline constexpr int kRowLength = 8;
 
-/// Constraints of one kind are solved sixteen at a time, whatever the registers hold: no two of a batch share a vertex.
-/// Twice as many as the widest register: elements are long chains of operations, and others have to be at hand while
-/// they wait.
+/// Number of constraints of one kind that are solved together, whatever the width of registers; no two of a batch share
+/// a vertex. Twice the widest register: each element is a long chain of operations, and while one waits another
+/// proceeds.
 inline constexpr int kBatch = 16;
 
-/// Elements. Places without one hold one of rows that nothing moves.
+/// Elements. A place without one holds an element of vertices that never move.
 struct alignas(64) ElementBatch {
   std::uint16_t rows[4][kBatch];  ///< of the block's vertices, see MaterialBlock
   double gram[6][kBatch];         ///< B B^T by 00 11 22 01 02 12, with B the inverse of the rest edges (columns)
@@ -28,10 +28,10 @@ struct alignas(64) EdgeBatch {
   double multiplier[kBatch];
 };
 
-/// Elements of one body that lie near one another, solved one after the other by one thread: batches in ranges.
+/// Elements of one body that lie near one another, solved batch by batch by one thread.
 ///
-/// While a block is solved its vertices are in rows of their own, one after the other, followed by four that stand in
-/// for missing ones. Batches name a row by where it begins, counted in numbers, of which each has kRowLength.
+/// While a block is solved, copies of its vertices are in consecutive rows, followed by four for places without an
+/// element. Batches name a row by its first number; each row has kRowLength numbers.
 struct MaterialBlock {
   Index body;
   Index first_vertex, last_vertex;  ///< into `vertices`
@@ -43,9 +43,9 @@ struct MaterialBlock {
 /// part, block by block, batch by batch. Parts of one colour share no vertex, so that threads can solve them at the
 /// same time.
 ///
-/// A plain colouring of the elements has forty colours, each of which would stream through all vertices, and one of
-/// blocks has ten, each of which has two of a small body; parts need two or four: threads have enough to do before they
-/// wait for one another.
+/// Why parts: a plain colouring of the elements has forty colours, and each would stream through all vertices. A
+/// colouring of blocks has ten colours, each with two blocks of a small body. Parts need two or four colours, so that
+/// threads have enough work before they wait for one another.
 struct MaterialBlocks {
   std::vector<Index> vertices;  ///< block by block, ascending in each
   std::vector<ElementBatch> elements;
@@ -61,29 +61,29 @@ struct MaterialBlocks {
 /// Deterministic.
 MaterialBlocks make_material_blocks(const Model& model);
 
-/// Elements of a block, about. Fewer would not fill their batches: an inner vertex has 24 elements, all in different
-/// ones.
+/// Mean number of elements of a block. Fewer would not fill their batches: an inner vertex has 24 elements, each in
+/// another batch.
 inline constexpr Index kBlockElements = 512;
-/// Rows of a block at most, those that stand in for missing vertices too.
+/// Largest number of rows of a block, those for places without an element included.
 inline constexpr std::int64_t kBlockRows = 4 * (kBlockElements + kBlockElements / 2) + 4;
 
-/// Elements that lie side by side in an order, by their places; or blocks likewise.
+/// Consecutive elements of an order, or consecutive blocks, by their places.
 struct ElementRange {
   Index first, last;
 
   Index size() const { return last - first; }
-  /// One of so many parts as long as each other.
+  /// One of `count` parts of equal length.
   ElementRange part(Index number, Index count) const {
     const auto begin = [&](std::int64_t n) { return first + static_cast<Index>(n * size() / count); };
     return {begin(number), begin(number + 1)};
   }
-  /// The number of the part that a place, counted from the first, is in.
+  /// The part that holds a place, which is counted from the first.
   Index part_of(std::int64_t place, Index count) const {
     return static_cast<Index>(((place + 1) * count - 1) / size());
   }
 };
 
-/// Elements of a body that one thread solves; no two parts of one colour share a vertex.
+/// Elements of a body that one thread solves. No two parts of one colour share a vertex.
 struct BodyPart {
   Index first, last;  ///< in an order of all elements
   Index colour;

@@ -39,10 +39,10 @@ SELVAGE_INLINE void solve_springs(BlockRows& rows, const MaterialStep& step, Edg
   store_rows(b, rows.of_now(), batch.rows[1] + part);
 }
 
-/// So many batches ahead the next are fetched.
+/// Number of batches by which prefetching is ahead.
 constexpr Index kAhead = 3;
 
-/// Fetches what comes next: between two steps all of it leaves the caches.
+/// Prefetches the next batches and vertices: between two steps all of them leave the caches.
 template <bool kDamped>
 class Fetcher {
  public:

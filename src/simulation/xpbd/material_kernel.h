@@ -5,7 +5,7 @@
 
 namespace selvage {
 
-/// What of a body's material a step needs.
+/// A body's material, scaled for a time step.
 struct MaterialStep {
   MaterialKind kind;
   double deviatoric;   ///< Neo-Hookean: compliance over the squared time step, times the rest volume
@@ -16,15 +16,15 @@ struct MaterialStep {
 
 /// One iteration over the material.
 struct MaterialTask {
-  VertexRow* vertices;
-  const VertexRow* start;       ///< the vertices at the start of the step; may be null where no body is damped
+  StepVertex* vertices;
+  const StepVertex* start;      ///< the vertices at the start of the step; may be null where no body is damped
   const Index* block_vertices;  ///< MaterialBlocks::vertices
   ElementBatch* elements;
   EdgeBatch* edges;
   const MaterialBlock* blocks;
   const MaterialStep* bodies;
   bool is_first;     ///< of the step: multipliers start from zero
-  Index next_block;  ///< what will most likely be solved after the last of those given: it is fetched
+  Index next_block;  ///< block that is most likely solved after the last one given: it is prefetched
 };
 
 // Solves the blocks [first, last) one after the other.

@@ -6,12 +6,16 @@ namespace selvage {
 
 namespace {
 
-/// An element of no stiffness at all would have an infinite compliance: so little is nothing.
+/// Least hydrostatic stiffness, as a part of the deviatoric one: without any the compliance would be infinite.
 constexpr double kMinHydrostatic = 1e-12;
 
 MaterialStep prepare(const Material& material, double time_step) {
   const double squared_step = time_step * time_step;
-  MaterialStep step{material.kind, 0, 0, material.edge_compliance / squared_step, material.damping / time_step};
+  MaterialStep step{.kind = material.kind,
+                    .deviatoric = 0,
+                    .hydrostatic = 0,
+                    .edge = material.edge_compliance / squared_step,
+                    .damping = material.damping / time_step};
   if (material.kind == MaterialKind::kNeoHookean) {
     const auto [mu, lambda] = lame_parameters(material.youngs_modulus, material.poisson_ratio);
     step.deviatoric = 6 / (mu * squared_step);
@@ -36,17 +40,17 @@ void MaterialSolver::solve_best(const MaterialTask& task, Index first, Index las
   SELVAGE_DISPATCH(solve_blocks, task, first, last);
 }
 
-void MaterialSolver::solve(std::span<VertexRow> vertices, std::span<const VertexRow> start, int first, int last,
+void MaterialSolver::solve(std::span<StepVertex> vertices, std::span<const StepVertex> start, int first, int last,
                            void (*kernel)(const MaterialTask&, Index first, Index last)) {
-  MaterialTask task{vertices.data(),
-                    start.data(),
-                    blocks_.vertices.data(),
-                    blocks_.elements.data(),
-                    blocks_.edges.data(),
-                    blocks_.blocks.data(),
-                    bodies_.data(),
-                    true,
-                    0};
+  MaterialTask task{.vertices = vertices.data(),
+                    .start = start.data(),
+                    .block_vertices = blocks_.vertices.data(),
+                    .elements = blocks_.elements.data(),
+                    .edges = blocks_.edges.data(),
+                    .blocks = blocks_.blocks.data(),
+                    .bodies = bodies_.data(),
+                    .is_first = true,
+                    .next_block = 0};
   for (int iteration = first; iteration < last; ++iteration) {
     task.is_first = iteration == 0;
     parallel_phases(blocks_.colour_first, [&](Index part, Index next_part) {

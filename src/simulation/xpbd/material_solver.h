@@ -21,7 +21,7 @@ class MaterialSolver {
 
   /// Iterations of a step from `first` to before `last`; number 0 forgets the step before. The same bits for any
   /// number of threads, and with every kernel.
-  void solve(std::span<VertexRow> vertices, std::span<const VertexRow> start, int first, int last,
+  void solve(std::span<StepVertex> vertices, std::span<const StepVertex> start, int first, int last,
              void (*kernel)(const MaterialTask&, Index first, Index last) = &solve_best);
 
  private:

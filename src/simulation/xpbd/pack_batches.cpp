@@ -18,12 +18,12 @@ void sort_by_key(std::span<const Index> numbers, std::span<const Index> keys, st
   for (std::size_t i = 0; i < numbers.size(); ++i) sorted[counts[largest - keys[i]]++] = numbers[i];
 }
 
-/// Brings batches into an order by chance, always the same. Busiest vertices first, as they are packed, Gauss-Seidel
-/// leaves a stiff beam in large steps a quarter more energy to lose after three iterations.
+/// Brings batches into a random order, the same in every run. In the order of packing, with the busiest vertices first,
+/// a stiff beam in large steps has a quarter more energy left after three iterations of Gauss-Seidel.
 void shuffle_batches(std::vector<Index>& packed) {
-  std::mt19937 chance;
+  std::mt19937 random;
   for (std::size_t left = packed.size() / kBatch; left > 1; --left) {
-    const std::size_t chosen = chance() % left;
+    const std::size_t chosen = random() % left;
     std::swap_ranges(packed.begin() + kBatch * chosen, packed.begin() + kBatch * (chosen + 1),
                      packed.begin() + kBatch * (left - 1));
   }
@@ -31,8 +31,8 @@ void shuffle_batches(std::vector<Index>& packed) {
 
 }  // namespace
 
-/// Batch after batch, first what has the busiest vertices: those that have most tuples left need one of almost every
-/// batch, and left to the end they would each need one of their own.
+/// Fills batch after batch, tuples of the busiest vertices first. A vertex with most tuples left needs a place in
+/// almost every batch; left to the end, its tuples would each need a batch of their own.
 template <std::size_t K>
 std::vector<Index> pack_batches(std::span<const std::array<Index, K>> tuples, Index vertex_count) {
   std::vector<Index> load(vertex_count, 0), last_batch(vertex_count, kNone);

@@ -13,7 +13,7 @@ namespace {
 /// squares.
 constexpr double kMaxMove = 1.37;
 
-Eigen::Map<Eigen::Vector3d> position(VertexRow& vertex) {
+Eigen::Map<Eigen::Vector3d> position(StepVertex& vertex) {
   return Eigen::Map<Eigen::Vector3d>(vertex.position);
 }
 
@@ -26,7 +26,7 @@ Eigen::Map<Eigen::Vector3d> position(VertexRow& vertex) {
 /// have them in common, the contact is closed in part only.
 class ContactSides {
  public:
-  ContactSides(const Contact& contact, std::span<VertexRow> vertices) : contact_(contact), vertices_(vertices) {
+  ContactSides(const Contact& contact, std::span<StepVertex> vertices) : contact_(contact), vertices_(vertices) {
     std::array<double, 2> weights{}, masses{};
     for (int i = 0; i < contact.count; ++i) {
       const double inverse_mass = vertices[contact.vertices[i]].inverse_mass;
@@ -62,7 +62,7 @@ class ContactSides {
   double mobility(int i) const { return vertices_[contact_.vertices[i]].inverse_mass > 0 ? mobilities_[side(i)] : 0; }
 
   const Contact& contact_;
-  std::span<VertexRow> vertices_;
+  std::span<StepVertex> vertices_;
   std::array<double, 2> mobilities_{};  ///< of the point, of the surface
   double mobility_ = 0;
 };
@@ -71,7 +71,7 @@ bool is_path(ContactKind kind) {
   return kind == ContactKind::kVertexPath || kind == ContactKind::kEdgePath || kind == ContactKind::kCentroidPath;
 }
 
-Vec3 offset_of_rows(const Contact& contact, std::span<VertexRow> vertices) {
+Vec3 offset_of_rows(const Contact& contact, std::span<StepVertex> vertices) {
   Vec3 offset = Vec3::Zero();
   for (int i = 0; i < contact.count; ++i) offset += contact.weights[i] * position(vertices[contact.vertices[i]]);
   return offset;
@@ -79,7 +79,7 @@ Vec3 offset_of_rows(const Contact& contact, std::span<VertexRow> vertices) {
 
 void project_contact(const Contact& contact, const Step& step, std::span<const double> max_corrections,
                      const Friction& friction, FrictionState& friction_state, std::span<Vec3> ejected,
-                     std::span<VertexRow> vertices) {
+                     std::span<StepVertex> vertices) {
   const Vec3 offset = offset_of_rows(contact, vertices);
   double depth = -contact.normal.dot(offset);
   if (!(depth > 0)) return;
@@ -104,12 +104,12 @@ void project_contact(const Contact& contact, const Step& step, std::span<const d
 
 void project_contacts(std::span<const Contact> contacts, const Step& step, std::span<const double> max_corrections,
                       const Friction& friction, std::span<FrictionState> friction_states, std::span<Vec3> ejected,
-                      std::span<VertexRow> vertices) {
+                      std::span<StepVertex> vertices) {
   for (std::size_t i = 0; i < contacts.size(); ++i)
     project_contact(contacts[i], step, max_corrections, friction, friction_states[i], ejected, vertices);
 }
 
-void push_apart(std::span<const Contact> contacts, const Push& push, std::span<VertexRow> vertices) {
+void push_apart(std::span<const Contact> contacts, const Push& push, std::span<StepVertex> vertices) {
   for (const Contact& contact : contacts) {
     const double gap = contact.normal.dot(offset_of_rows(contact, vertices));
     const double depth = std::min(push.clearance - gap, push.max_correction);

@@ -3,7 +3,7 @@
 #include "selvage/contact/contact.h"
 #include "selvage/contact/friction.h"
 #include "simulation/step.h"
-#include "simulation/vertex_row.h"
+#include "simulation/step_vertex.h"
 
 namespace selvage {
 
@@ -22,7 +22,7 @@ namespace selvage {
 /// @param ejected          (n_vertices) see TimeStep::ejected() [m]; updated
 void project_contacts(std::span<const Contact> contacts, const Step& step, std::span<const double> max_corrections,
                       const Friction& friction, std::span<FrictionState> friction_states, std::span<Vec3> ejected,
-                      std::span<VertexRow> vertices);
+                      std::span<StepVertex> vertices);
 
 /// How far points are pushed out of surfaces.
 struct Push {
@@ -31,6 +31,6 @@ struct Push {
 };
 
 /// Moves vertices out of every contact, one after the other in the order given, without friction.
-void push_apart(std::span<const Contact> contacts, const Push& push, std::span<VertexRow> vertices);
+void push_apart(std::span<const Contact> contacts, const Push& push, std::span<StepVertex> vertices);
 
 }  // namespace selvage

@@ -13,7 +13,7 @@ struct XpbdSolver::Parts {
   XpbdOptions options;
   TimeStep time_step;
   MaterialSolver material;
-  std::vector<VertexRow> start;                ///< vertices at the start of the step, where the material needs them
+  std::vector<StepVertex> start;               ///< vertices at the start of the step, where the material needs them
   std::vector<FrictionState> friction_states;  ///< (n_contacts)
   UserConstraint constraint;
 
@@ -38,7 +38,7 @@ struct XpbdSolver::Parts {
   /// Iterations from `first` to before `last`, without contacts in between.
   void iterate(int first, int last) {
     if (!constraint) return solve_material(first, last);
-    const std::span<VertexRow> rows = time_step.vertices();
+    const std::span<StepVertex> rows = time_step.vertices();
     const StepVertices vertices(rows.data()->position, static_cast<Index>(rows.size()));
     for (int iteration = first; iteration < last; ++iteration) {
       solve_material(iteration, iteration + 1);

@@ -58,7 +58,12 @@ Model make_relative_model(const TetMesh& mesh, std::span<const Vec3> rest) {
     throw Error("rest positions", fmt::format("{} for {} vertices", rest.size(), mesh.vertex_count()),
                 "give one per vertex");
   const double length = mean_edge_length(mesh, rest);
-  Body body{"mesh", 0, mesh.vertex_count(), 0, mesh.element_count(), {}};
+  Body body{.name = "mesh",
+            .first_vertex = 0,
+            .vertex_count = mesh.vertex_count(),
+            .first_element = 0,
+            .element_count = mesh.element_count(),
+            .material = {}};
   body.material.density = 1;
   body.material.youngs_modulus = kStiffness * length * length;
   return make_model(mesh, {rest.begin(), rest.end()}, {body});
@@ -76,7 +81,8 @@ Relaxation::Relaxation(const TetMesh& mesh, std::vector<Vec3>& positions, std::s
       length_(mean_edge_length(mesh, model_.rest_positions)),
       clearance_(options.clearance),
       max_displacement_(options.max_displacement),
-      push_{std::max(clearance_, kUntanglingClearance) * length_, kPush / kPasses * length_},
+      push_{.clearance = std::max(clearance_, kUntanglingClearance) * length_,
+            .max_correction = kPush / kPasses * length_},
       material_(model_, 1) {
   element_sizes_.resize(mesh.element_count());
   parallel_for(mesh.element_count(), kGrain, [&](std::int64_t e) {
@@ -144,7 +150,7 @@ void Relaxation::relax() {
   std::vector<Vec3> moved = positions_;
   for (Index v = 0; v < mesh_.vertex_count(); ++v)
     if (is_awake_[v]) moved[v] = Eigen::Map<const Eigen::Vector3d>(vertices_[v].position);
-  const Freedom freedom{is_awake_, origin_, max_displacement_};
+  const Freedom freedom{.is_free = is_awake_, .origin = origin_, .max_displacement = max_displacement_};
   inverted_ = uninvert_elements(mesh_, model_.rest_positions, find_inverted(mesh_, moved), freedom, moved);
   set_positions(moved);
 }

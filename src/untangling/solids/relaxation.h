@@ -64,7 +64,7 @@ class Relaxation {
   std::vector<double> element_sizes_;  ///< at rest [m]
   Push push_;
   MaterialSolver material_;
-  std::vector<VertexRow> vertices_;  ///< those asleep have no inverse mass
+  std::vector<StepVertex> vertices_;  ///< those asleep have no inverse mass
   std::vector<std::uint8_t> is_free_, is_awake_;
   std::vector<Index> inverted_;
   std::vector<HeldContact> held_;  ///< oldest first

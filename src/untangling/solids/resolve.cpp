@@ -209,7 +209,7 @@ void Resolver::report_iteration(ResolveReport& report, const ResolveIteration& n
 }
 
 /// Takes the present shape as the rest shape. Creases that overlap at rest would pull back in for ever, and where
-/// contacts and material pull against each other neither gives way. After that, only vertices of contacts are awake.
+/// contacts and material pull against each other neither yields. After that, only vertices of contacts are awake.
 void Resolver::yield() {
   if (!body_->inverted().empty()) return;
   body_.emplace(mesh_, positions_, positions_, input_, options_);
