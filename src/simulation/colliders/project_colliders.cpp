@@ -69,61 +69,94 @@ struct MovingCollider {
   }
 };
 
+/// One projection of all vertices out of all colliders.
+class Projection {
+ public:
+  Projection(std::span<const PreparedCollider> colliders, const Step& step, std::span<const double> max_corrections,
+             std::span<const Vec3> ejected, std::span<ColliderContactState> states, std::span<StepVertex> vertices)
+      : step_(step), max_corrections_(max_corrections), ejected_(ejected), states_(states), vertices_(vertices) {
+    for (const PreparedCollider& collider : colliders) {
+      colliders_.push_back({.collider = collider,
+                            .start = collider.motion.at(step.start_time),
+                            .end = collider.motion.at(step.end_time)});
+      any_far_side_ |= std::visit([](const auto& s) { return kHasFarSide<std::decay_t<decltype(s)>>; }, collider.shape);
+    }
+  }
+
+  ColliderContacts project() {
+    const std::int64_t run = uses_boxes() ? kVertexRun : std::ssize(vertices_);
+    return parallel_reduce<ColliderContacts>(std::ssize(vertices_), kVertexGrain,
+                                             [&](std::int64_t first, std::int64_t last, ColliderContacts& hits) {
+                                               for (; first < last; first += run)
+                                                 project_run(first, std::min(first + run, last), hits);
+                                             });
+  }
+
+ private:
+  /// Around a run of vertices, and around the ways that they have come in the step.
+  struct Boxes {
+    Eigen::AlignedBox3d now, ways;
+  };
+
+  /// A box takes half as long as asking one collider of every vertex: it pays for two.
+  bool uses_boxes() const { return colliders_.size() > 1; }
+
+  Boxes boxes_around(std::int64_t first, std::int64_t last) const {
+    Boxes boxes;
+    boxes.ways = boxes.now = box_around(vertices_.subspan(first, last - first));
+    for (std::int64_t v = first; v < last && any_far_side_; ++v) boxes.ways.extend(step_.positions[v]);
+    return boxes;
+  }
+
+  void project_run(std::int64_t first, std::int64_t last, ColliderContacts& hits) {
+    std::vector<std::int64_t> pushed;
+    Boxes boxes;
+    if (uses_boxes()) boxes = boxes_around(first, last);
+    for (std::size_t c = 0; c < colliders_.size(); ++c)
+      std::visit(
+          [&](const auto& shape) {
+            constexpr bool kByWays = kHasFarSide<std::decay_t<decltype(shape)>>;
+            if (uses_boxes() && colliders_[c].is_fixed && is_clear(shape, kByWays ? boxes.ways : boxes.now)) return;
+            const std::int64_t before = hits.count;
+            push_run_out(c, shape, first, last, pushed, hits);
+            if (uses_boxes() && hits.count > before) boxes = boxes_around(first, last);
+          },
+          colliders_[c].collider.shape);
+    // Friction that stops a vertex from sliding along one wall also stops it from leaving another, and from leaving the
+    // same one where that is hollow.
+    for (const std::int64_t v : pushed)
+      for (const MovingCollider& collider : colliders_) collider.set_on_surface(step_, v, vertices_[v]);
+  }
+
+  template <typename Shape>
+  void push_run_out(std::size_t c, const Shape& shape, std::int64_t first, std::int64_t last,
+                    std::vector<std::int64_t>& pushed, ColliderContacts& hits) {
+    for (std::int64_t v = first; v < last; ++v) {
+      if (!(vertices_[v].inverse_mass > 0)) continue;
+      const double surface = max_corrections_.empty() ? HUGE_VAL : kContactGap * max_corrections_[v];
+      const ColliderContacts hit = colliders_[c].push_out(shape, step_, v, surface, ejected_[v],
+                                                          states_[v * colliders_.size() + c], vertices_[v]);
+      if (hit.count > 0) pushed.push_back(v);
+      hits.add(hit);
+    }
+  }
+
+  const Step& step_;
+  std::span<const double> max_corrections_;
+  std::span<const Vec3> ejected_;
+  std::span<ColliderContactState> states_;
+  std::span<StepVertex> vertices_;
+  std::vector<MovingCollider> colliders_;
+  bool any_far_side_ = false;
+};
+
 }  // namespace
 
 ColliderContacts project_colliders(std::span<const PreparedCollider> colliders, const Step& step,
                                    std::span<const double> max_corrections, std::span<const Vec3> ejected,
                                    std::span<ColliderContactState> states, std::span<StepVertex> vertices) {
   if (colliders.empty()) return {};
-  std::vector<MovingCollider> moving;
-  bool any_far_side = false;
-  for (const PreparedCollider& collider : colliders) {
-    moving.push_back(
-        {.collider = collider, .start = collider.motion.at(step.start_time), .end = collider.motion.at(step.end_time)});
-    any_far_side |= std::visit([](const auto& s) { return kHasFarSide<std::decay_t<decltype(s)>>; }, collider.shape);
-  }
-  const std::size_t count = moving.size();
-  // To find a box takes half as long as to ask one collider of every vertex.
-  const bool pays_box = count > 1;
-  const std::int64_t run = pays_box ? kVertexRun : std::ssize(vertices);
-  const auto surface_of = [&](std::int64_t v) {
-    return max_corrections.empty() ? HUGE_VAL : kContactGap * max_corrections[v];
-  };
-  const auto project = [&](std::int64_t first, std::int64_t last, ColliderContacts& hits) {
-    std::vector<std::int64_t> pushed;
-    Eigen::AlignedBox3d box, ways;
-    const auto place_boxes = [&] {
-      ways = box = box_around(vertices.subspan(first, last - first));
-      if (!any_far_side) return;
-      for (std::int64_t v = first; v < last; ++v) ways.extend(step.positions[v]);
-    };
-    if (pays_box) place_boxes();
-    for (std::size_t c = 0; c < count; ++c)
-      std::visit(
-          [&](const auto& shape) {
-            constexpr bool kByWays = kHasFarSide<std::decay_t<decltype(shape)>>;
-            if (pays_box && moving[c].is_fixed && is_clear(shape, kByWays ? ways : box)) return;
-            const std::int64_t before = hits.count;
-            for (std::int64_t v = first; v < last; ++v) {
-              if (!(vertices[v].inverse_mass > 0)) continue;
-              const auto hit =
-                  moving[c].push_out(shape, step, v, surface_of(v), ejected[v], states[v * count + c], vertices[v]);
-              if (hit.count > 0) pushed.push_back(v);
-              hits.add(hit);
-            }
-            if (pays_box && hits.count > before) place_boxes();
-          },
-          colliders[c].shape);
-    // Friction that stops a vertex from sliding along one wall also stops it from leaving another, and from leaving the
-    // same one where that is hollow.
-    for (const std::int64_t v : pushed)
-      for (const MovingCollider& collider : moving) collider.set_on_surface(step, v, vertices[v]);
-  };
-  return parallel_reduce<ColliderContacts>(std::ssize(vertices), kVertexGrain,
-                                           [&](std::int64_t first, std::int64_t last, ColliderContacts& hits) {
-                                             for (; first < last; first += run)
-                                               project(first, std::min(first + run, last), hits);
-                                           });
+  return Projection(colliders, step, max_corrections, ejected, states, vertices).project();
 }
 
 }  // namespace selvage
