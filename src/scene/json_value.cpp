@@ -236,7 +236,7 @@ Json parse_json(std::string_view text, const std::string& file) {
   } catch (const nlohmann::json::exception& error) {
     std::string message = plain_message(error);
     std::replace(message.begin(), message.end(), '\n', ' ');
-    throw Error(file, message, "give a scene in JSON, as docs/simulation.md explains");
+    throw Error(file, message, "give a scene in JSON, as docs/guides/scene_files.md explains");
   }
   if (!place.twice().empty())
     throw Error(fmt::format("{}: {}", file, place.twice()), "is there twice", "keep one of them");

@@ -63,7 +63,7 @@ struct RunReport {
   std::uint64_t fingerprint = 0;        ///< of every bit of the positions and velocities after the last frame
 };
 
-/// Runs a scene and writes its files (docs/simulation.md) to a folder.
+/// Runs a scene and writes its files (docs/guides/run_files.md) to a folder.
 ///
 /// A run that is killed at any moment is continued with `resume` from its last whole frame, and every file ends bit for
 /// bit as if it had never stopped, but for what the statistics say of its cost; files of frames are whole or not there.

@@ -25,7 +25,7 @@ struct Scene {
   std::uint64_t fingerprint = 0;
 };
 
-/// Reads a scene file (docs/simulation.md) and the meshes that it names, relative to its folder.
+/// Reads a scene file (docs/guides/scene_files.md) and the meshes that it names, relative to its folder.
 ///
 /// @param path   of the file
 /// @param scale  name of a scale that the scene has; empty: as the file stands

@@ -262,7 +262,7 @@ void DeformedMesh<D>::prove_boundary_vertices() {
   parallel_for(std::ssize(rims.others), 64, [&](std::int64_t i) { prove(rims.others[i]); });
 }
 
-/// A vertex is settled when no ridge at it can be overwound: see docs/boundary_path.md.
+/// A vertex is settled when no ridge at it can be overwound: see docs/how_it_works/boundary_path.md.
 template <int D>
 void DeformedMesh<D>::settle_vertices() {
   // All inner vertices have a ray at least.

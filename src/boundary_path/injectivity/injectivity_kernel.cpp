@@ -229,9 +229,9 @@ struct RimFacts {
   Float8 lower[4], negated_upper[4];  ///< of the faces' unit normals; the last row is 0
 };
 
-/// See docs/boundary_path.md: seen along an axis, the boundary faces around the vertex all turn the same way and go
-/// around once. With positions off by r and spokes up to m, roundings included: a spoke's coordinate is off by
-/// d = 3 r + 2^-23 m, a face's normal (twice its area long) by 11 m d + 2^-21 m^2, a unit normal by twice that over
+/// See docs/how_it_works/boundary_path.md: seen along an axis, the boundary faces around the vertex all turn the same
+/// way and go around once. With positions off by r and spokes up to m, roundings included: a spoke's coordinate is off
+/// by d = 3 r + 2^-23 m, a face's normal (twice its area long) by 11 m d + 2^-21 m^2, a unit normal by twice that over
 /// the normal's length.
 SELVAGE_INLINE RimFacts examine_rims(const RoundedPositions& positions, const Index* vertices, int length) {
   const Float8 zero = constant(0);

@@ -6,8 +6,8 @@ namespace selvage {
 inline namespace SELVAGE_ISA {
 
 /// From every vertex two rays start, in one fixed direction (shear, 1) and in the opposite one. How many elements at a
-/// vertex hold a ray tells whether they cover directions twice: see docs/boundary_path.md. The direction is one that no
-/// face is likely to be parallel to.
+/// vertex hold a ray tells whether they cover directions twice: see docs/how_it_works/boundary_path.md. The direction
+/// is one that no face is likely to be parallel to.
 inline constexpr float kRayShear[2] = {0.13579f, 0.27183f};
 
 /// On which sides of its faces the rays from an element's vertices start.

@@ -93,7 +93,7 @@ class Search {
 
   /// Nothing farther is an answer.
   double squared_bound() const { return std::min(std::min(best_squared_, known_squared_), supposed_squared_); }
-  /// Whether faces may be passed over because a neighbour comes closer: see docs/boundary_path.md.
+  /// Whether faces may be passed over because a neighbour comes closer: see docs/how_it_works/boundary_path.md.
   bool may_cull() const { return input_.options.cull_infeasible_regions && reject_above_ < point_.safe_distance(); }
   /// See QueryPoint::may_cull_towards_source().
   bool may_cull_towards_source() const { return point_.may_cull_towards_source(); }

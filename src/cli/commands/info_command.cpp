@@ -34,7 +34,7 @@ constexpr const char* kInfoExample =
     "\n"
     "The radius ratio of an element is 1 where it is regular and 0 where it is flat. Inverted elements are inside out; "
     "around an overwound ridge the elements turn more than once. What that means for shortest paths is said in "
-    "docs/boundary_path.md.";
+    "docs/how_it_works/boundary_path.md.";
 
 std::int64_t count_unused(const IndexedMesh& file) {
   std::vector<char> used(file.positions.size(), 0);

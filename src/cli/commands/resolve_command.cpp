@@ -28,7 +28,7 @@ constexpr const char* kResolveExample =
     "  selvage resolve tangled.vtu -o resolved.vtu --json report.json\n"
     "\n"
     "Vertices far from any tangle keep their coordinates. Where the mesh cannot be resolved the exit status is 3, and "
-    "no mesh is written; the report lists the elements that are in the way. See docs/resolve.md.";
+    "no mesh is written; the report lists the elements that are in the way. See docs/guides/resolve.md.";
 
 constexpr std::size_t kListed = 8;
 

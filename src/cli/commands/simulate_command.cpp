@@ -31,7 +31,7 @@ constexpr const char* kSimulateExample =
     "  topology.bin             elements, body of each vertex, boundary faces\n"
     "  statistics.csv           a row a frame: contacts, paths, penetration, seconds\n"
     "  checkpoint.bin           what --resume continues from\n"
-    "and at the end summary.json. Scenes and files are explained in docs/simulation.md.";
+    "and at the end summary.json. Scenes and files are explained in docs/guides/simulate.md.";
 
 std::string frames_a_minute(double frames, double seconds) {
   const double pace = 60 * frames / seconds;
