@@ -3,6 +3,7 @@
 #include "cli/program/help.h"
 #include "cli/program/output.h"
 #include "selvage/core/error.h"
+#include "selvage/version.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -14,6 +15,7 @@
 #include <cstdio>
 #include <iostream>
 #include <new>
+#include <string>
 
 namespace selvage::cli {
 
@@ -69,7 +71,7 @@ int run_program(int argc, char** argv) {
   CLI::App app("selvage finds the self-collisions of deformable meshes, exactly and fast, and undoes them.", "selvage");
   app.formatter(std::make_shared<HelpFormatter>(std::clamp(terminal_width(STDOUT_FILENO, 80), 30, 100)));
   app.set_help_flag("-h,--help", "Print this help");
-  app.set_version_flag("--version", "selvage " SELVAGE_VERSION, "Print the version");
+  app.set_version_flag("--version", std::string("selvage ") + version(), "Print the version");
   app.require_subcommand(1);
   app.footer(
       "`selvage COMMAND --help` explains a command and shows an example.\n"
