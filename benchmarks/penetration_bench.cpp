@@ -21,7 +21,7 @@ class Scene {
  public:
   explicit Scene(const IndexedMesh& file)
       : mesh(static_cast<Index>(file.positions.size()), file.tetrahedra),
-        surface(mesh.vertex_count(), {mesh.boundary_faces().begin(), mesh.boundary_faces().end()}),
+        surface(boundary_surface(mesh)),
         start_(file.positions),
         positions_(file.positions) {}
 

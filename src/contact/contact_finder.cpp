@@ -22,10 +22,6 @@ namespace {
 
 constexpr std::int64_t kContactGrain = 1024;
 
-std::vector<TriangleMesh::Triangle> boundary_of(const TetMesh& mesh) {
-  return {mesh.boundary_faces().begin(), mesh.boundary_faces().end()};
-}
-
 bool is_same_point(const Contact& a, const Contact& b) {
   return a.kind == b.kind && a.point_feature == b.point_feature;
 }
@@ -96,7 +92,7 @@ struct ContactFinder::State {
 
 ContactFinder::State::State(const TetMesh& m, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
                             std::span<const Index> vertex_objects, ContactOptions o)
-    : mesh(m), options(o), surface(m.vertex_count(), boundary_of(m)) {
+    : mesh(m), options(o), surface(boundary_surface(m)) {
   check_positions<3>(positions, mesh.vertex_count());
   if (!vertex_objects.empty() && std::ssize(vertex_objects) != mesh.vertex_count())
     throw Error("vertex_objects", fmt::format("{} for {} vertices", vertex_objects.size(), mesh.vertex_count()),

@@ -167,6 +167,31 @@ void SimplexMesh<D>::link_boundary() {
 }
 
 template <int D>
+std::vector<VertexTuple<2>> SimplexMesh<D>::edges() const {
+  const std::int64_t pieces = (vertex_count_ + kVerticesAtOnce - 1) / kVerticesAtOnce;
+  std::vector<std::vector<VertexTuple<2>>> of_piece(pieces);
+  parallel_for(pieces, 1, [&](std::int64_t piece) {
+    const auto end = static_cast<Index>(std::min<std::int64_t>((piece + 1) * kVerticesAtOnce, vertex_count_));
+    std::vector<Index> others;
+    for (auto v = static_cast<Index>(piece * kVerticesAtOnce); v < end; ++v) {
+      others.clear();
+      for (const Index e : vertex_elements(v))
+        for (const Index other : elements_[e])
+          if (other > v) others.push_back(other);
+      std::sort(others.begin(), others.end());
+      others.erase(std::unique(others.begin(), others.end()), others.end());
+      for (const Index other : others) of_piece[piece].push_back({v, other});
+    }
+  });
+  std::size_t count = 0;
+  for (const auto& some : of_piece) count += some.size();
+  std::vector<VertexTuple<2>> edges;
+  edges.reserve(count);
+  for (const auto& some : of_piece) edges.insert(edges.end(), some.begin(), some.end());
+  return edges;
+}
+
+template <int D>
 std::vector<BoundaryRidge<D>> SimplexMesh<D>::boundary_ridges() const {
   std::vector<BoundaryRidge<D>> ridges;
   for (Index b = 0; b < boundary_face_count(); ++b) {

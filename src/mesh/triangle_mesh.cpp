@@ -121,4 +121,8 @@ TriangleMesh::TriangleMesh(Index vertex_count, std::vector<Triangle> triangles)
   is_oriented_ = all_agree;
 }
 
+TriangleMesh boundary_surface(const TetMesh& mesh) {
+  return {mesh.vertex_count(), {mesh.boundary_faces().begin(), mesh.boundary_faces().end()}};
+}
+
 }  // namespace selvage

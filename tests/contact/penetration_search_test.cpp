@@ -23,10 +23,6 @@ using test::Random;
 using test::scaled;
 using test::seed;
 
-TriangleMesh surface_of(const TetMesh& mesh) {
-  return {mesh.vertex_count(), {mesh.boundary_faces().begin(), mesh.boundary_faces().end()}};
-}
-
 bool is_inverted_at_the_boundary(const TetMesh& mesh, Index element, std::span<const Vec3> x) {
   const auto& across = mesh.neighbours()[element];
   return std::count_if(across.begin(), across.end(), [](Index n) { return n < 0; }) > 0 &&
@@ -150,7 +146,7 @@ TEST_P(PenetrationSearchOf, IsThatOfAllPairsInEveryPoseOfEveryMotion) {
     joins = !joins;
     Solid solid = GetParam().make(random);
     const TetMesh mesh = solid.mesh();
-    const TriangleMesh surface = surface_of(mesh);
+    const TriangleMesh surface = boundary_surface(mesh);
     PenetrationSearch search(mesh, surface, true, solid.positions, {}, joins);
     for (std::int64_t step = 0; step < scaled(6); ++step) {
       PenetrationCounters counters;
@@ -176,7 +172,7 @@ TEST_P(PenetrationSearchOf, FindsTheVerticesThatTheElementsHierarchyFinds) {
   Random random(seed(2));
   Solid solid = GetParam().make(random);
   const TetMesh mesh = solid.mesh();
-  const TriangleMesh surface = surface_of(mesh);
+  const TriangleMesh surface = boundary_surface(mesh);
   PenetrationSearch search(mesh, surface, false, solid.positions);
   for (int step = 0; step < 5; ++step) {
     for (Vec3& x : solid.positions) x += random.vector(0.05);
@@ -214,7 +210,7 @@ struct Flight {
 TEST(PenetrationSearch, LooksAtFewFeaturesOfAMotionInSmallSteps) {
   Flight flight;
   const TetMesh mesh = flight.solid.mesh();
-  const TriangleMesh surface = surface_of(mesh);
+  const TriangleMesh surface = boundary_surface(mesh);
   PenetrationSearch search(mesh, surface, true, flight.at(0));
   PenetrationCounters counters;
   std::int64_t held = 0;
@@ -234,7 +230,7 @@ TEST(PenetrationSearch, IsTheSameForAnyNumberOfThreads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     Flight flight;
     const TetMesh mesh = flight.solid.mesh();
-    const TriangleMesh surface = surface_of(mesh);
+    const TriangleMesh surface = boundary_surface(mesh);
     PenetrationSearch search(mesh, surface, true, flight.at(0));
     PenetrationCounters counters;
     std::vector<std::vector<Penetration>> all;

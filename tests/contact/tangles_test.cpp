@@ -107,7 +107,7 @@ TEST_P(Waiting, ContactsAreThoseOfInvertedElementsWithoutTangles) {
     test::Random random(test::seed(9));
     solids::Solid solid = GetParam().make(random);
     const TetMesh mesh = solid.mesh();
-    const TriangleMesh surface(mesh.vertex_count(), {mesh.boundary_faces().begin(), mesh.boundary_faces().end()});
+    const TriangleMesh surface = boundary_surface(mesh);
     ContactOptions options;
     options.mode = DetectionMode::kDcd;
     for (int step = 0; step < 2; ++step) {
@@ -170,7 +170,7 @@ class WaitingTangles : public testing::TestWithParam<DetectionMode> {
 
   IndexedMesh rod = make_knotted_rod();
   TetMesh mesh{static_cast<Index>(rod.positions.size()), rod.tetrahedra};
-  TriangleMesh surface{mesh.vertex_count(), {mesh.boundary_faces().begin(), mesh.boundary_faces().end()}};
+  TriangleMesh surface = boundary_surface(mesh);
   ContactStatistics statistics;
 };
 

@@ -83,6 +83,12 @@ void compare_with_maps(const SimplexMesh<D>& mesh) {
     if (!faces_of[v].empty()) boundary_vertices.push_back(v);
   }
   EXPECT_TRUE(std::ranges::equal(mesh.boundary_vertices(), boundary_vertices));
+  std::set<VertexTuple<2>> edges;
+  for (const auto& element : mesh.elements())
+    for (const Index a : element)
+      for (const Index b : element)
+        if (a < b) edges.insert({a, b});
+  EXPECT_TRUE(std::ranges::equal(mesh.edges(), edges));
 }
 
 /// Boundary neighbours share the ridge and are each other's neighbour across it; elements around it connect them.
@@ -138,6 +144,14 @@ TEST(SimplexMesh, EqualsMapsOnCrumbledBoxes) {
   }
 }
 
+TEST(SimplexMesh, EdgesOfManyVerticesAreListedInOrder) {
+  const IndexedMesh box = make_box(Vec3(1, 1, 1), 0.08);
+  const TetMesh mesh(static_cast<Index>(box.positions.size()), box.tetrahedra);
+  ASSERT_GT(mesh.vertex_count(), 1500);  // more than one piece of the loop that lists them
+  compare_with_maps(mesh);
+  EXPECT_TRUE(TetMesh().edges().empty());
+}
+
 TEST(SimplexMesh, BoundaryIsOutwardAndClosed) {
   const IndexedMesh ball = make_ball(1, 0.3);
   const TetMesh mesh(static_cast<Index>(ball.positions.size()), ball.tetrahedra);
@@ -171,6 +185,7 @@ TEST(SimplexMesh, IsTheSameForAnyNumberOfThreads) {
     EXPECT_TRUE(std::ranges::equal(mesh.neighbours(), reference.neighbours()));
     EXPECT_TRUE(std::ranges::equal(mesh.boundary_faces(), reference.boundary_faces()));
     EXPECT_TRUE(std::ranges::equal(mesh.boundary_neighbours(), reference.boundary_neighbours()));
+    EXPECT_EQ(mesh.edges(), reference.edges());
   }
 }
 

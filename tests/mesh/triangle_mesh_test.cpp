@@ -178,6 +178,17 @@ TEST(TriangleMesh, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
+TEST(BoundarySurface, IsTheBoundaryOfTheMesh) {
+  const IndexedMesh ball = make_ball(1, 0.4);
+  const TetMesh mesh(static_cast<Index>(ball.positions.size()), ball.tetrahedra);
+  const TriangleMesh surface = boundary_surface(mesh);
+  EXPECT_EQ(surface.vertex_count(), mesh.vertex_count());
+  EXPECT_TRUE(std::ranges::equal(surface.triangles(), mesh.boundary_faces()));
+  EXPECT_TRUE(surface.is_oriented());
+  for (Index e = 0; e < surface.edge_count(); ++e) EXPECT_EQ(surface.edge_triangles(e).size(), 2u);
+  EXPECT_THROW(boundary_surface(TetMesh()), Error);
+}
+
 std::string error_of(Index vertex_count, Triangles triangles) {
   try {
     const TriangleMesh mesh(vertex_count, std::move(triangles));

@@ -44,7 +44,7 @@ Resolved resolve(const IndexedMesh& file, const ResolveOptions& options = {}) {
 }
 
 std::size_t pairs_of(const Resolved& r, const std::vector<Vec3>& positions) {
-  const TriangleMesh surface(r.mesh.vertex_count(), {r.mesh.boundary_faces().begin(), r.mesh.boundary_faces().end()});
+  const TriangleMesh surface = boundary_surface(r.mesh);
   return SelfCollisionFinder(surface, positions).find_pairs().size();
 }
 

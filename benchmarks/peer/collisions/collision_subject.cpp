@@ -13,8 +13,7 @@ namespace {
 TriangleMesh surface_of(const IndexedMesh& file) {
   const Index vertex_count = static_cast<Index>(file.positions.size());
   if (file.tetrahedra.empty()) return {vertex_count, file.triangles};
-  const TetMesh mesh(vertex_count, file.tetrahedra);
-  return {vertex_count, {mesh.boundary_faces().begin(), mesh.boundary_faces().end()}};
+  return boundary_surface(TetMesh(vertex_count, file.tetrahedra));
 }
 
 }  // namespace

@@ -82,6 +82,9 @@ class SimplexMesh {
     return star(vertex_boundary_face_, vertex_boundary_face_first_, v);
   }
 
+  /// Edges of all elements, each once: vertices ascending, edges in lexicographic order. O(n), parallel.
+  std::vector<VertexTuple<2>> edges() const;
+
   /// All boundary ridges, each once per pair of faces that meet there, ascending by the smaller face. O(n_boundary).
   std::vector<BoundaryRidge<D>> boundary_ridges() const;
 

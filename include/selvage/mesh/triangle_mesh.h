@@ -1,6 +1,7 @@
 #pragma once
 
 #include "selvage/core/types.h"
+#include "selvage/mesh/simplex_mesh.h"
 
 namespace selvage {
 
@@ -59,5 +60,12 @@ class TriangleMesh {
   std::vector<Index> edge_triangle_, edge_triangle_first_;
   std::vector<Index> vertex_triangle_, vertex_triangle_first_;
 };
+
+/// Surface of a tetrahedral mesh: its boundary faces, outward, in the order of TetMesh::boundary_faces(), so that
+/// triangle b is boundary face b. Vertices keep their numbers; those inside belong to no triangle.
+///
+/// The surface of a non-empty mesh is never empty and has no border, but may be non-manifold. O(n log n), parallel.
+/// @throws Error  when the mesh was made by default, without an element
+TriangleMesh boundary_surface(const TetMesh& mesh);
 
 }  // namespace selvage

@@ -43,8 +43,7 @@ constexpr const char* kCheckExample =
 TriangleMesh surface_of(IndexedMesh& file) {
   const auto vertex_count = static_cast<Index>(file.positions.size());
   if (file.tetrahedra.empty()) return {vertex_count, std::move(file.triangles)};
-  const TetMesh mesh(vertex_count, std::move(file.tetrahedra));
-  return {vertex_count, {mesh.boundary_faces().begin(), mesh.boundary_faces().end()}};
+  return boundary_surface(TetMesh(vertex_count, std::move(file.tetrahedra)));
 }
 
 /// Reads the mesh, and with `--to` beside it the positions at the end of the step: of a mesh that is the same but for
