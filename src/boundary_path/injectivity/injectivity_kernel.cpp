@@ -1,6 +1,7 @@
 #include "boundary_path/injectivity/injectivity_kernel.h"
 
 #include "boundary_path/injectivity/parity_rays.h"
+#include "core/simd/vec3.h"
 
 #include <bit>
 
@@ -18,19 +19,7 @@ Float8 constant(float x) {
   return Float8::broadcast(x);
 }
 
-Float8 magnitude(Float8 a) {
-  return and_bits(a, constant(std::bit_cast<float>(0x7fffffffu)));
-}
-
-Float8 dot(const Float8 (&a)[3], const Float8 (&b)[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-void cross(const Float8 (&a)[3], const Float8 (&b)[3], Float8 (&r)[3]) {
-  r[0] = a[1] * b[2] - a[2] * b[1];
-  r[1] = a[2] * b[0] - a[0] * b[2];
-  r[2] = a[0] * b[1] - a[1] * b[0];
-}
+using Vector8 = LaneVec3<Float8>;
 
 /// Eight positions, a row for each coordinate.
 template <int D>
@@ -173,13 +162,14 @@ SELVAGE_INLINE void fit_cones(const Float8 (&boxes)[kWidth], ConeNode& cones) {
   transpose(left[0], left[1], left[2], left[3]);
   transpose(right[0], right[1], right[2], right[3]);
   const Float8 half = constant(0.5f), zero = constant(0);
-  Float8 middle[3], extent[3], across = zero;
+  Vector8 middle, extent;
+  Float8 across = zero;
   for (int i = 0; i < 3; ++i) {
     const Float8 lower = Float8::join(left[i].low(), right[i].low());
     const Float8 negated_upper = Float8::join(left[i].high(), right[i].high());
     middle[i] = (lower - negated_upper) * half;
-    extent[i] = zero - (lower + negated_upper) * half;
-    across = across + magnitude(middle[i]) * extent[i];
+    extent[i] = negate((lower + negated_upper) * half);
+    across = across + abs(middle[i]) * extent[i];
   }
   const Float8 squared = max(dot(middle, middle), constant(kTiny)), length = sqrt(squared);
   const Float8 round = (constant(1) + squared - dot(extent, extent)) * half;
@@ -235,31 +225,30 @@ struct RimFacts {
 /// the normal's length.
 SELVAGE_INLINE RimFacts examine_rims(const RoundedPositions& positions, const Index* vertices, int length) {
   const Float8 zero = constant(0);
-  Float8 centre[3], spokes[Rims::kMaxLength + 1][3], normals[Rims::kMaxLength][3];
-  gather(positions, vertices, centre);
+  Vector8 centre, spokes[Rims::kMaxLength + 1], normals[Rims::kMaxLength];
+  gather(positions, vertices, centre.at);
   Float8 reach = zero;
-  for (Float8& x : spokes[0]) x = zero;  // no rim is empty, but the compiler does not know
+  spokes[0] = {{zero, zero, zero}};  // no rim is empty, but the compiler does not know
   for (int k = 0; k < length; ++k) {
-    gather(positions, vertices + kWidth * (k + 1), spokes[k]);
-    for (int i = 0; i < 3; ++i) {
-      spokes[k][i] = spokes[k][i] - centre[i];
-      reach = max(reach, magnitude(spokes[k][i]));
-    }
+    gather(positions, vertices + kWidth * (k + 1), spokes[k].at);
+    spokes[k] = spokes[k] - centre;
+    for (int i = 0; i < 3; ++i) reach = max(reach, abs(spokes[k][i]));
   }
-  for (int i = 0; i < 3; ++i) spokes[length][i] = spokes[0][i];
+  spokes[length] = spokes[0];
 
   RimFacts facts;
   for (int i = 0; i < 4; ++i) facts.lower[i] = facts.negated_upper[i] = i < 3 ? constant(2) : zero;
-  Float8 sum[3] = {zero, zero, zero}, shortest = constant(kInfinity);
+  Vector8 sum = {{zero, zero, zero}};
+  Float8 shortest = constant(kInfinity);
   for (int k = 0; k < length; ++k) {
-    cross(spokes[k], spokes[k + 1], normals[k]);
+    normals[k] = cross(spokes[k], spokes[k + 1]);
     const Float8 size = sqrt(dot(normals[k], normals[k])), scale = constant(1) / size;
     shortest = min(size, shortest);
+    sum = sum + normals[k];
+    normals[k] = scale * normals[k];
     for (int i = 0; i < 3; ++i) {
-      sum[i] = sum[i] + normals[k][i];
-      normals[k][i] = normals[k][i] * scale;
       facts.lower[i] = min(facts.lower[i], normals[k][i]);
-      facts.negated_upper[i] = min(facts.negated_upper[i], zero - normals[k][i]);
+      facts.negated_upper[i] = min(facts.negated_upper[i], negate(normals[k][i]));
     }
   }
   const Float8 spoke_error = constant(3 * positions.error) + reach * constant(0x1p-23f);
@@ -270,11 +259,9 @@ SELVAGE_INLINE RimFacts examine_rims(const RoundedPositions& positions, const In
     facts.negated_upper[i] = facts.negated_upper[i] - normal_error;
   }
 
-  const Float8 axis_scale = constant(1) / sqrt(dot(sum, sum));
-  for (int i = 0; i < 3; ++i) sum[i] = sum[i] * axis_scale;
-  const Float8 generic[3] = {constant(kGeneric[0]), constant(kGeneric[1]), constant(kGeneric[2])};
-  Float8 across[3];
-  cross(sum, generic, across);
+  const Vector8 axis = (constant(1) / sqrt(dot(sum, sum))) * sum;
+  const Vector8 generic = {{constant(kGeneric[0]), constant(kGeneric[1]), constant(kGeneric[2])}};
+  const Vector8 across = cross(axis, generic);
   const Float8 least = normal_error + constant(1e-5f);
   const Float8 bound = spoke_error * constant(2) + reach * constant(0x1p-20f) + constant(kTiny);
   // Short normals have squares that leave the normal floats.
@@ -283,7 +270,7 @@ SELVAGE_INLINE RimFacts examine_rims(const RoundedPositions& positions, const In
   unsigned below = less_equal(dot(across, spokes[0]), zero);
   for (int k = 1; k <= length; ++k) {
     const Float8 side = dot(across, spokes[k]);
-    sure &= less_equal(least, dot(normals[k - 1], sum)) & less_equal(bound, magnitude(side));
+    sure &= less_equal(least, dot(normals[k - 1], axis)) & less_equal(bound, abs(side));
     const unsigned now_below = less_equal(side, zero), rises = below & ~now_below;
     twice |= once & rises;
     once |= rises;

@@ -2,6 +2,7 @@
 
 #include "boundary_path/location/containment_kernel.h"
 #include "core/simd/simd16.h"
+#include "core/simd/vec3.h"
 
 namespace selvage {
 inline namespace SELVAGE_ISA {
@@ -25,8 +26,8 @@ class ElementSplits {
 
   SELVAGE_INLINE ElementSplits(const RoundedPosition* rounded, float rounding,
                                const VertexTuple<D + 1>* const (&elements)[kSize]) {
-    Lanes x[D + 1][D], edge[D][D], normal[D][D], extent[D];
-    for (int k = 0; k <= D; ++k) gather(rounded, elements, k, x[k]);
+    Vector x[D + 1], edge[D], normal[D], extent;
+    for (int k = 0; k <= D; ++k) x[k] = gather(rounded, elements, k);
     for (int i = 0; i < D; ++i) {
       Lanes low = x[0][i], high = low;
       for (int k = 0; k < D; ++k) {
@@ -66,34 +67,25 @@ class ElementSplits {
 
  private:
   using Lanes = Float8;
+  using Vector = LaneVec<Lanes, D>;
 
-  SELVAGE_INLINE static void gather(const RoundedPosition* rounded, const VertexTuple<D + 1>* const (&elements)[kSize],
-                                    int k, Lanes (&x)[D]) {
+  SELVAGE_INLINE static Vector gather(const RoundedPosition* rounded,
+                                      const VertexTuple<D + 1>* const (&elements)[kSize], int k) {
     Float4 row[kSize];
     for (int e = 0; e < kSize; ++e) row[e] = Float4::load(rounded[(*elements[e])[k]].data());
     transpose(row[0], row[1], row[2], row[3]);
     transpose(row[4], row[5], row[6], row[7]);
+    Vector x;
     for (int i = 0; i < D; ++i) x[i] = Lanes::join(row[i], row[4 + i]);
+    return x;
   }
 
-  SELVAGE_INLINE static Lanes dot(const Lanes (&a)[D], const Lanes (&b)[D]) {
-    Lanes sum = a[0] * b[0];
-    for (int i = 1; i < D; ++i) sum = sum + a[i] * b[i];
-    return sum;
+  SELVAGE_INLINE static void set_normals(const LaneVec2<Lanes> (&edge)[2], LaneVec2<Lanes> (&normal)[2]) {
+    normal[0] = {{edge[1][1], negate(edge[1][0])}};
+    normal[1] = {{negate(edge[0][1]), edge[0][0]}};
   }
-
-  SELVAGE_INLINE static void set_normals(const Lanes (&edge)[2][2], Lanes (&normal)[2][2]) {
-    const Lanes zero = Lanes::broadcast(0);
-    normal[0][0] = edge[1][1];
-    normal[0][1] = zero - edge[1][0];
-    normal[1][0] = zero - edge[0][1];
-    normal[1][1] = edge[0][0];
-  }
-  SELVAGE_INLINE static void set_normals(const Lanes (&edge)[3][3], Lanes (&normal)[3][3]) {
-    for (int k = 0; k < 3; ++k) {
-      const auto &a = edge[(k + 1) % 3], &b = edge[(k + 2) % 3];
-      for (int i = 0; i < 3; ++i) normal[k][i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-    }
+  SELVAGE_INLINE static void set_normals(const LaneVec3<Lanes> (&edge)[3], LaneVec3<Lanes> (&normal)[3]) {
+    for (int k = 0; k < 3; ++k) normal[k] = cross(edge[(k + 1) % 3], edge[(k + 2) % 3]);
   }
 
   /// More than the error of a part or of the volume. Each is a sum of D! products of D factors, one from each axis and
@@ -101,7 +93,7 @@ class ElementSplits {
   /// (2^-24 of it), a product by five more roundings. The last part is off by the errors of all the others and of its
   /// own three differences: by 48 `rounding` times the products without one axis, and by 270 times 2^-24 of the product
   /// of all. What underflow adds is far below the last term.
-  SELVAGE_INLINE static Lanes error_bound(const Lanes (&extent)[D], float rounding) {
+  SELVAGE_INLINE static Lanes error_bound(const Vector& extent, float rounding) {
     Lanes whole = extent[0], without_one = Lanes::broadcast(1);
     for (int i = 1; i < D; ++i) {
       without_one = without_one * extent[i] + whole;

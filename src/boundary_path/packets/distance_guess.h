@@ -60,7 +60,7 @@ void PacketSearch<D>::approach(unsigned lanes) {
     const FaceFindings<D> found = look_at(view(guesses_.face, kLanes));
     alignas(64) float squared[kWidth], points[3][kWidth];
     dot(found.way, found.way).store(squared);
-    for (int i = 0; i < 3; ++i) (Float16::load(query_point_[i]) + found.way.at[i]).store(points[i]);
+    for (int i = 0; i < 3; ++i) (Float16::load(query_point_[i]) + found.way[i]).store(points[i]);
     unsigned on = 0;
     for (const unsigned neighbours : found.closer) on |= neighbours;
     for (unsigned rest = moving; rest != 0; rest &= rest - 1) {
@@ -87,13 +87,12 @@ template <int D>
 unsigned PacketSearch<D>::start_from_others(unsigned lanes) {
   const Float16 own = Float16::load(guesses_.squared_distance);
   Float16 least = own, from = Float16::broadcast(0);
-  const Vector16 p = {{Float16::load(query_point_[0]), Float16::load(query_point_[1]), Float16::load(query_point_[2])}};
+  const Vector16 p = load_axes<Float16>(query_point_);
   Index faces[kWidth + kWidth];
   int count = 0;
   const auto compare = [&](const float(&rows)[3][kWidth], int i, Index face) {
-    const Vector16 point = {
-        {Float16::broadcast(rows[0][i]), Float16::broadcast(rows[1][i]), Float16::broadcast(rows[2][i])}};
-    const Float16 squared = dot(point - p, point - p);
+    const Vector16 to_point = broadcast_axes<Float16>(rows, i) - p;
+    const Float16 squared = dot(to_point, to_point);
     from = select_less(squared, least, Float16::broadcast(static_cast<float>(count)), from);
     least = min(squared, least);
     faces[count++] = face;

@@ -25,18 +25,18 @@ struct ChildSpheres {
 
 /// Squared distances between boxes, one of which is a point but for its rounding.
 template <typename Lanes>
-SELVAGE_INLINE Lanes squared_gap(const VectorRows<Lanes>& lower, const VectorRows<Lanes>& upper,
-                                 const VectorRows<Lanes>& other_lower, const VectorRows<Lanes>& other_upper) {
-  VectorRows<Lanes> gap;
+SELVAGE_INLINE Lanes squared_gap(const LaneVec3<Lanes>& lower, const LaneVec3<Lanes>& upper,
+                                 const LaneVec3<Lanes>& other_lower, const LaneVec3<Lanes>& other_upper) {
+  LaneVec3<Lanes> gap;
   for (int i = 0; i < 3; ++i)
-    gap.at[i] = max(max(lower.at[i] - other_upper.at[i], other_lower.at[i] - upper.at[i]), Lanes::broadcast(0));
+    gap[i] = max(max(lower[i] - other_upper[i], other_lower[i] - upper[i]), Lanes::broadcast(0));
   return dot(gap, gap);
 }
 
 /// A child of a node as its ConeNode knows it.
 template <typename Lanes>
 struct ChildCone {
-  VectorRows<Lanes> middle, axis;
+  LaneVec3<Lanes> middle, axis;
   Lanes radius, cosine, sine;
 
   /// Lanes that find no answer below the child: see ConeNode.
@@ -44,23 +44,14 @@ struct ChildCone {
   /// How far p is outside the cone of directions around the axis' opposite, opened at each point of the child's sphere.
   /// Slack for the rounding of positions in the frame, which is a few units across, and for the root of a small
   /// difference, which loses half its digits.
-  SELVAGE_INLINE unsigned is_culled_by_cone(const VectorRows<Lanes>& eye, unsigned one_sided) const {
-    const VectorRows<Lanes> from_middle = eye - middle;
+  SELVAGE_INLINE unsigned is_culled_by_cone(const LaneVec3<Lanes>& eye, unsigned one_sided) const {
+    const LaneVec3<Lanes> from_middle = eye - middle;
     const Lanes along = dot(from_middle, axis), squared_length = dot(from_middle, from_middle);
     const Lanes across = sqrt(max(squared_length - along * along, Lanes::broadcast(0))) * cosine, lift = along * sine;
-    const Lanes reach = radius + sum_of_sizes(from_middle) * Lanes::broadcast(1e-3f);
+    const Lanes reach = radius + abs_sum(from_middle) * Lanes::broadcast(1e-3f);
     return less_equal(reach, across + lift) & (less_equal(reach, across - lift) | one_sided);
   }
 };
-
-template <typename Lanes>
-SELVAGE_INLINE VectorRows<Lanes> broadcast_rows(const float (&rows)[3][BvhNode::kWidth], int child) {
-  return {{Lanes::broadcast(rows[0][child]), Lanes::broadcast(rows[1][child]), Lanes::broadcast(rows[2][child])}};
-}
-template <typename Lanes, std::size_t N>
-SELVAGE_INLINE VectorRows<Lanes> load_rows(const float (&rows)[3][N]) {
-  return {{Lanes::load(rows[0]), Lanes::load(rows[1]), Lanes::load(rows[2])}};
-}
 
 /// Lists for each lane the faces that may be its answer.
 template <int D>
@@ -99,7 +90,7 @@ void PacketSearch<D>::leave_out_far_faces() {
     FaceView<D> view;
     view.rounding = input_.rounding;
     for (int i = 0; i < kWidth; ++i) stars[i] = input_.face_stars + faces[i];
-    for (int i = 0; i < 3; ++i) view.p.at[i] = Float16::pick(query_point_[i], lanes);
+    for (int i = 0; i < 3; ++i) view.p[i] = Float16::pick(query_point_[i], lanes);
     for (int k = 0; k < D; ++k)
       view.corners[k] = gather(input_.rounded, [&](int lane) { return stars[lane]->vertices[k]; });
     const unsigned present = left < kWidth ? 0xffffu >> (kWidth - left) : 0xffffu;
@@ -197,16 +188,16 @@ SELVAGE_INLINE void PacketSearch<D>::visit_together(Index place, unsigned lanes,
   const Float16 limit = Float16::load(limit_);
   for (unsigned rest = traversal::overlapping_children(node, reach); rest != 0; rest &= rest - 1) {
     const int k = lowest_lane(rest);
-    const Float16 squared = squared_gap(broadcast_rows<Float16>(node.lower, k), broadcast_rows<Float16>(node.upper, k),
-                                        load_rows<Float16>(lower_), load_rows<Float16>(upper_));
+    const Float16 squared = squared_gap(broadcast_axes<Float16>(node.lower, k), broadcast_axes<Float16>(node.upper, k),
+                                        load_axes<Float16>(lower_), load_axes<Float16>(upper_));
     const Index child = node.children[k];
     unsigned wanted = less_equal(squared, limit, lanes);
     if (child < 0 || compares_cones_) {
-      const ChildCone<Float16> cone = {broadcast_rows<Float16>(spheres.middle, k),
-                                       broadcast_rows<Float16>(cones.axis, k), Float16::broadcast(spheres.radius[k]),
+      const ChildCone<Float16> cone = {broadcast_axes<Float16>(spheres.middle, k),
+                                       broadcast_axes<Float16>(cones.axis, k), Float16::broadcast(spheres.radius[k]),
                                        Float16::broadcast(cones.cosine[k]), Float16::broadcast(cones.sine[k])};
       const unsigned askew =
-          cone.is_culled_by_cone(load_rows<Float16>(query_point_), 0u - (~cones.two_sided >> k & 1u)) & culling_;
+          cone.is_culled_by_cone(load_axes<Float16>(query_point_), 0u - (~cones.two_sided >> k & 1u)) & culling_;
       if (child >= 0) count_faces_culled_by_cone(wanted, askew);
       wanted &= ~askew;
     }
@@ -230,16 +221,14 @@ template <int D>
 SELVAGE_INLINE void PacketSearch<D>::visit(Index place, Index lane) {
   const BvhNode& node = input_.face_nodes[place];
   const ConeNode& cones = input_.face_cones[place];
-  const auto of_lane = [&](const float(&rows)[3][kWidth]) -> Vector8 {
-    return {{Float8::broadcast(rows[0][lane]), Float8::broadcast(rows[1][lane]), Float8::broadcast(rows[2][lane])}};
-  };
+  const auto of_lane = [&](const float(&rows)[3][kWidth]) { return broadcast_axes<Float8>(rows, lane); };
   const Float8 squared =
-      squared_gap(load_rows<Float8>(node.lower), load_rows<Float8>(node.upper), of_lane(lower_), of_lane(upper_));
+      squared_gap(load_axes<Float8>(node.lower), load_axes<Float8>(node.upper), of_lane(lower_), of_lane(upper_));
   unsigned wanted = less_equal(squared, Float8::broadcast(limit_[lane])) & node.present();
   const unsigned nodes = negative(Int8::load(node.children));
   if (nodes != 0 || compares_cones_) {
     const ChildSpheres spheres(node);
-    const ChildCone<Float8> cone = {load_rows<Float8>(spheres.middle), load_rows<Float8>(cones.axis),
+    const ChildCone<Float8> cone = {load_axes<Float8>(spheres.middle), load_axes<Float8>(cones.axis),
                                     Float8::load(spheres.radius), Float8::load(cones.cosine), Float8::load(cones.sine)};
     const unsigned askew =
         cone.is_culled_by_cone(of_lane(query_point_), ~cones.two_sided) & (0u - (culling_ >> lane & 1u));
@@ -289,7 +278,7 @@ SELVAGE_INLINE FaceView<D> PacketSearch<D>::view(const Index* faces, const Index
   FaceView<D> view;
   view.rounding = input_.rounding;
   for (int i = 0; i < kWidth; ++i) stars[i] = input_.face_stars + faces[i];
-  for (int i = 0; i < 3; ++i) view.p.at[i] = Float16::pick(query_point_[i], lanes);
+  for (int i = 0; i < 3; ++i) view.p[i] = Float16::pick(query_point_[i], lanes);
   Float16 apexes[D];
   for (int k = 0; k < D; ++k) {
     const Vertices16 corner = gather_vertices(input_.rounded, [&](int lane) { return stars[lane]->vertices[k]; });

@@ -2,6 +2,7 @@
 
 #include "boundary_path/location/containment_kernel.h"
 #include "core/simd/simd16.h"
+#include "core/simd/vec3.h"
 
 #include <bit>
 #include <limits>
@@ -9,43 +10,8 @@
 namespace selvage {
 inline namespace SELVAGE_ISA {
 
-/// Points or vectors, a row for each axis; the third is 0 in the plane.
-template <typename Lanes>
-struct VectorRows {
-  Lanes at[3];
-};
-using Vector16 = VectorRows<Float16>;
-using Vector8 = VectorRows<Float8>;
-
-template <typename Lanes>
-SELVAGE_INLINE VectorRows<Lanes> operator-(const VectorRows<Lanes>& a, const VectorRows<Lanes>& b) {
-  return {{a.at[0] - b.at[0], a.at[1] - b.at[1], a.at[2] - b.at[2]}};
-}
-template <typename Lanes>
-SELVAGE_INLINE VectorRows<Lanes> operator+(const VectorRows<Lanes>& a, const VectorRows<Lanes>& b) {
-  return {{a.at[0] + b.at[0], a.at[1] + b.at[1], a.at[2] + b.at[2]}};
-}
-template <typename Lanes>
-SELVAGE_INLINE VectorRows<Lanes> operator*(const Lanes& s, const VectorRows<Lanes>& a) {
-  return {{s * a.at[0], s * a.at[1], s * a.at[2]}};
-}
-template <typename Lanes>
-SELVAGE_INLINE Lanes dot(const VectorRows<Lanes>& a, const VectorRows<Lanes>& b) {
-  return a.at[0] * b.at[0] + a.at[1] * b.at[1] + a.at[2] * b.at[2];
-}
-SELVAGE_INLINE Vector16 cross(const Vector16& a, const Vector16& b) {
-  return {{a.at[1] * b.at[2] - a.at[2] * b.at[1], a.at[2] * b.at[0] - a.at[0] * b.at[2],
-           a.at[0] * b.at[1] - a.at[1] * b.at[0]}};
-}
-template <typename Lanes>
-SELVAGE_INLINE Lanes abs(const Lanes& a) {
-  return and_bits(a, Lanes::broadcast(std::bit_cast<float>(std::numeric_limits<Index>::max())));
-}
-/// Sum of absolute coordinates.
-template <typename Lanes>
-SELVAGE_INLINE Lanes sum_of_sizes(const VectorRows<Lanes>& a) {
-  return abs(a.at[0]) + abs(a.at[1]) + abs(a.at[2]);
-}
+/// Points or directions; the third coordinate is 0 in the plane.
+using Vector16 = LaneVec3<Float16>;
 
 /// Sixteen vertices as they are stored: see DeformedMesh::rounded_positions().
 struct Vertices16 {
@@ -228,9 +194,9 @@ SELVAGE_INLINE FaceFindings<3> look_at(const FaceView<3>& view) {
   const auto& [qa, qb, qc] = view.apexes;
   const TriangleProducts t(view.p, view.corners);
   const Vector16 to = t.way_to_face();
-  Float16 extent = max(max(sum_of_sizes(t.u), sum_of_sizes(t.v)), sum_of_sizes(t.o));
-  extent = max(extent, max(max(sum_of_sizes(qc - a), sum_of_sizes(qb - a)), sum_of_sizes(qa - b)));
-  const Float16 reach = sum_of_sizes(to) + extent + extent + Float16::broadcast(4 * view.rounding);
+  Float16 extent = max(max(abs_sum(t.u), abs_sum(t.v)), abs_sum(t.o));
+  extent = max(extent, max(max(abs_sum(qc - a), abs_sum(qb - a)), abs_sum(qa - b)));
+  const Float16 reach = abs_sum(to) + extent + extent + Float16::broadcast(4 * view.rounding);
   FaceFindings<3> found;
   found.squared_distance = view.squared_distance_along(to, reach);
   found.way = to;
@@ -242,8 +208,8 @@ SELVAGE_INLINE FaceFindings<3> look_at(const FaceView<3>& view) {
 SELVAGE_INLINE Float16 distances_from_below(const FaceView<3>& view) {
   const TriangleProducts t(view.p, view.corners);
   const Vector16 to = t.way_to_face();
-  const Float16 extent = max(max(sum_of_sizes(t.u), sum_of_sizes(t.v)), sum_of_sizes(t.o));
-  return view.squared_distance_along(to, sum_of_sizes(to) + extent + extent + Float16::broadcast(4 * view.rounding));
+  const Float16 extent = max(max(abs_sum(t.u), abs_sum(t.v)), abs_sum(t.o));
+  return view.squared_distance_along(to, abs_sum(to) + extent + extent + Float16::broadcast(4 * view.rounding));
 }
 
 /// The same in the plane.
@@ -254,8 +220,8 @@ SELVAGE_INLINE FaceFindings<2> look_at(const FaceView<2>& view) {
   const Float16 uu = dot(u, u), u_a = dot(u, p_a), u_b = u_a - uu;
   const Vector16 to = max(min(u_a / uu, one), zero) * u - p_a;
   const Vector16 a_qb = view.apexes[1] - a, b_qa = view.apexes[0] - b;
-  const Float16 extent = max(sum_of_sizes(u), max(sum_of_sizes(a_qb), sum_of_sizes(b_qa)));
-  const Float16 reach = sum_of_sizes(to) + extent + extent + Float16::broadcast(4 * view.rounding);
+  const Float16 extent = max(abs_sum(u), max(abs_sum(a_qb), abs_sum(b_qa)));
+  const Float16 reach = abs_sum(to) + extent + extent + Float16::broadcast(4 * view.rounding);
   const Float16 error = reach * (Float16::broadcast(16 * view.rounding) + Float16::broadcast(0x1p-18f) * extent) +
                         Float16::broadcast(1e-30f);
   FaceFindings<2> found;

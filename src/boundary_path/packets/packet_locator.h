@@ -53,10 +53,10 @@ struct ElementParts {
     const Vector16 from_corner = p - corners[0];
     Float16 whole = Float16::broadcast(1), without_one = Float16::broadcast(0);
     for (int i = 0; i < 3; ++i) {
-      Float16 low = p.at[i], high = low;
+      Float16 low = p[i], high = low;
       for (const Vector16& corner : corners) {
-        low = min(low, corner.at[i]);
-        high = max(high, corner.at[i]);
+        low = min(low, corner[i]);
+        high = max(high, corner[i]);
       }
       const Float16 extent = high - low + Float16::broadcast(8 * rounding);
       without_one = without_one * extent + whole;
@@ -87,8 +87,7 @@ unsigned PacketSearch<D>::find_inside(std::span<const PathTask<D>> tasks) const 
       vertices[i] = input_.elements[tasks[i < count ? i : count - 1].query.element].vertices;
     Vector16 corners[4];
     for (int k = 0; k < 4; ++k) corners[k] = gather(input_.rounded, [&](int lane) { return vertices[lane][k]; });
-    const Vector16 p = {
-        {Float16::load(query_point_[0]), Float16::load(query_point_[1]), Float16::load(query_point_[2])}};
+    const Vector16 p = load_axes<Float16>(query_point_);
     const ElementParts parts(p, corners, input_.rounding);
     const Float16 huge = Float16::broadcast(1e30f);  // what overflows tells nothing
     return less_equal(parts.bound, parts.least) & less_equal(parts.bound, huge) & 0xffffu >> (kWidth - count);

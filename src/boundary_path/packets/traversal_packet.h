@@ -109,9 +109,9 @@ inline void TetTraversalPacket::add(int lane, Index element, const Candidate<3>&
 inline unsigned TetTraversalPacket::follow(const float (&eye)[3][kPacketSize]) {
   if (walking_ == 0) return 0;
   for (int i = 0; i < 3; ++i) {
-    query_point_.at[i] = Float16::load(eye[i]);
-    for (int k = 0; k < 2; ++k) across_[k].at[i] = Float16::load(across_rows_[k][i]);
-    along_.at[i] = Float16::load(along_rows_[i]);
+    query_point_[i] = Float16::load(eye[i]);
+    for (int k = 0; k < 2; ++k) across_[k][i] = Float16::load(across_rows_[k][i]);
+    along_[i] = Float16::load(along_rows_[i]);
   }
   select_first_exit_faces();
   unsigned arrived = 0;
@@ -127,7 +127,7 @@ inline unsigned TetTraversalPacket::follow(const float (&eye)[3][kPacketSize]) {
 SELVAGE_INLINE TetTraversalPacket::Shadows TetTraversalPacket::shadows_of(const Index* vertices) const {
   const Vector16 x = gather(input_.rounded, [&](int lane) { return vertices[lane]; }) - query_point_;
   const Float16 zero = Float16::broadcast(0);
-  const auto size = [&](int i) { return max(x.at[i], zero - x.at[i]); };
+  const auto size = [&](int i) { return max(x[i], zero - x[i]); };
   return {dot(across_[0], x), dot(across_[1], x), max(max(size(0), size(1)), size(2)), dot(along_, x)};
 }
 

@@ -3,6 +3,7 @@
 #include "boundary_path/location/group_order.h"
 #include "boundary_path/traversal/segment.h"
 #include "core/simd/simd_double.h"
+#include "core/simd/vec3.h"
 
 namespace selvage {
 inline namespace SELVAGE_ISA {
@@ -39,54 +40,33 @@ class TriangleAims {
 
  private:
   using Rows = double[3][kPacketSize];
-  using Wide3 = WideDouble[3];
-
-  SELVAGE_INLINE static WideDouble dot(const Wide3& a, const Wide3& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-  }
-  SELVAGE_INLINE static void cross(const Wide3& a, const Wide3& b, Wide3& r) {
-    r[0] = a[1] * b[2] - a[2] * b[1];
-    r[1] = a[2] * b[0] - a[0] * b[2];
-    r[2] = a[0] * b[1] - a[1] * b[0];
-  }
-  SELVAGE_INLINE static WideDouble largest(const Wide3& a) {
-    const WideDouble zero = WideDouble::broadcast(0);
-    const auto size = [&](int i) { return max(a[i], zero - a[i]); };
-    return max(max(size(0), size(1)), size(2));
-  }
+  using Vector = LaneVec3<WideDouble>;
 
   SELVAGE_INLINE void aim(int lane) {
     const WideDouble unit = WideDouble::broadcast(kUnitRoundoff);
-    Wide3 v[3], e1, e2, n, nearest, offset, weight;
-    for (int i = 0; i < 3; ++i) {
-      const WideDouble p = WideDouble::load(p_[i] + lane), a = WideDouble::load(corners_[0][i] + lane),
-                       b = WideDouble::load(corners_[1][i] + lane), c = WideDouble::load(corners_[2][i] + lane);
-      nearest[i] = v[0][i] = a - p;
-      v[1][i] = b - p;
-      v[2][i] = c - p;
-      e1[i] = b - a;
-      e2[i] = c - a;
-    }
-    cross(e1, e2, n);
-    WideDouble least = largest(v[0]);
+    const auto load = [&](const Rows& rows) -> Vector {
+      return {{WideDouble::load(rows[0] + lane), WideDouble::load(rows[1] + lane), WideDouble::load(rows[2] + lane)}};
+    };
+    const Vector p = load(p_), a = load(corners_[0]), b = load(corners_[1]), c = load(corners_[2]);
+    const Vector v[3] = {a - p, b - p, c - p}, e1 = b - a, e2 = c - a, n = cross(e1, e2);
+    Vector nearest = v[0], weight;
+    WideDouble least = abs_max(v[0]);
     for (int k = 1; k < 3; ++k) {
-      const WideDouble size = largest(v[k]);
+      const WideDouble size = abs_max(v[k]);
       for (int i = 0; i < 3; ++i) nearest[i] = select_less(size, least, v[k][i], nearest[i]);
       least = select_less(size, least, size, least);
     }
     const WideDouble squared = dot(n, n), height = dot(n, nearest) / squared;
-    for (int i = 0; i < 3; ++i) offset[i] = n[i] * height;
+    const Vector offset = height * n;
     WideDouble total = WideDouble::broadcast(0);
     for (int k = 0; k < 3; ++k) {
-      Wide3 w;
-      cross(v[(k + 1) % 3], v[(k + 2) % 3], w);
-      weight[k] = dot(w, n);
+      weight[k] = dot(cross(v[(k + 1) % 3], v[(k + 2) % 3]), n);
       total = total + weight[k];
     }
-    const WideDouble direction_error = WideDouble::broadcast(8 * kUnitRoundoff) * largest(e1) * largest(e2);
+    const WideDouble direction_error = WideDouble::broadcast(8 * kUnitRoundoff) * abs_max(e1) * abs_max(e2);
     const WideDouble relative = direction_error / sqrt(squared) + unit;
     const WideDouble offset_error =
-        WideDouble::broadcast(4) * relative * least + WideDouble::broadcast(12) * relative * largest(offset);
+        WideDouble::broadcast(4) * relative * least + WideDouble::broadcast(12) * relative * abs_max(offset);
     for (int i = 0; i < 3; ++i) {
       n[i].store(direction_[i] + lane);
       offset[i].store(offset_[i] + lane);

@@ -193,6 +193,9 @@ SELVAGE_INLINE WideDouble operator*(WideDouble a, WideDouble b) {
 SELVAGE_INLINE WideDouble operator/(WideDouble a, WideDouble b) {
   return {a.v / b.v};
 }
+SELVAGE_INLINE WideDouble abs(WideDouble a) {
+  return max(a, WideDouble::broadcast(0) - a);
+}
 
 }  // namespace SELVAGE_ISA
 }  // namespace selvage
