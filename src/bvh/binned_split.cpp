@@ -62,7 +62,7 @@ PrimitiveRef make_ref(const Box& box, Index primitive) {
   return ref;
 }
 
-/// What lengths are multiplied by where boxes inside `whole` are measured, so that nothing overflows or vanishes.
+/// The factor of lengths where boxes inside `whole` are measured, so that nothing overflows or vanishes.
 float measure_scale(Float8 whole) {
   float extents[4];
   extents_of(whole).store(extents);
@@ -108,8 +108,8 @@ float RangeSplitter::measure(Float8 bounds, Float8 whole) const {
 }
 
 std::array<RefRange, 2> RangeSplitter::split(const RefRange& range, bool halve) {
-  if (quality_ == BuildQuality::kFast && range.size() <= kFewRefs) {
-    const Index middle = halve_few(range);
+  if (quality_ == BuildQuality::kFast && range.size() <= kMaxRankedRefs) {
+    const Index middle = halve_ranked(range);
     return {make_part(range.begin, middle), make_part(middle, range.end)};
   }
   BinScale scale{};
@@ -164,13 +164,13 @@ Index RangeSplitter::partition_parallel(Index begin, Index end, const LeftSide& 
 }
 
 /// Of more than eight primitives, along the widest axis; at a multiple of eight, so that leaf nodes are full.
-Index RangeSplitter::halve_few(const RefRange& range) {
+Index RangeSplitter::halve_ranked(const RefRange& range) {
   float extents[4], origin[4];
   extents_of(range.centres).store(extents);
   range.centres.low().store(origin);
   const int axis = static_cast<int>(std::max_element(extents, extents + 3) - extents);
   const Index left = (range.size() + BvhNode::kWidth) / (2 * BvhNode::kWidth) * BvhNode::kWidth;
-  SELVAGE_DISPATCH(part_few_refs, refs_.get() + range.begin, range.size(), axis, origin[axis], left);
+  SELVAGE_DISPATCH(part_ranked_refs, refs_.get() + range.begin, range.size(), axis, origin[axis], left);
   return range.begin + left;
 }
 

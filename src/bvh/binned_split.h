@@ -32,21 +32,21 @@ class RangeSplitter {
   float measure(Float8 bounds, Float8 whole) const;
 
   /// Splits a range of at least two primitives where the measured cost is smallest; in halves, by centre along the
-  /// widest axis, when `halve` asks for it or the centres are too close to tell apart. What fits into a leaf node comes
-  /// without bounds.
+  /// widest axis, when `halve` asks for it or the centres are too close to be separated. A range that fits into a
+  /// leaf node comes without bounds.
   std::array<RefRange, 2> split(const RefRange& range, bool halve);
 
   Index primitive(Index position) const { return refs_[position].primitive; }
   bool flat() const { return flat_; }
   float largest_extent() const { return largest_extent_; }
-  /// Nothing is split any more.
+  /// Frees memory: nothing is split afterwards.
   void free_scratch() { scratch_.reset(); }
 
  private:
   Index partition(const RefRange& range, const LeftSide& side);
   Index partition_parallel(Index begin, Index end, const LeftSide& side);
   Index halve_range(const RefRange& range);
-  Index halve_few(const RefRange& range);
+  Index halve_ranked(const RefRange& range);
   Index sampling_step(Index count) const;
   RefRange make_part(Index begin, Index end) const;
 

@@ -18,7 +18,7 @@ struct alignas(64) BvhNode {
   Index children[kWidth];
   Index parent;  ///< kNone for the root
   Index child_count;
-  Index reserved[6];  ///< room for what later floors hang on a node
+  Index reserved[6];  ///< padding to 256 bytes; free for callers
 
   /// The mask of all children.
   SELVAGE_INLINE unsigned present() const { return (1u << child_count) - 1u; }
@@ -28,7 +28,7 @@ struct alignas(64) BvhNode {
 };
 static_assert(sizeof(BvhNode) == 256);
 
-/// What a hierarchy is built for. Queries give the same answers either way.
+/// The purpose of a hierarchy. Queries give the same answers either way.
 enum class BuildQuality : std::uint8_t {
   kBest,  ///< to be searched or refitted many times
   kFast,  ///< to be searched once: built in less time than the search then takes longer

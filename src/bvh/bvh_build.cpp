@@ -27,7 +27,7 @@ struct BuildNode {
   bool is_leaf(int child) const { return begin[child + 1] - begin[child] == 1; }
 };
 
-/// What is still to be split.
+/// Ranges that remain to be split.
 struct PendingNode {
   Index begin;
   Index end;
@@ -82,7 +82,7 @@ BuildNode split_node(RangeSplitter& splitter, const PendingNode& pending, bool h
     return leaf;
   }
   const RefRange whole = splitter.make_range(pending.begin, pending.end);
-  // Of what is a leaf node at most, only where it may yet find a place in this one.
+  // Ranges of at most a leaf node, only where they may find a place in this one.
   const auto measure = [&](const RefRange& range) {
     return range.size() > kWidth ? splitter.measure(range.bounds, whole.bounds) : 0;
   };
@@ -127,7 +127,7 @@ Level build_level(RangeSplitter& splitter, std::vector<PendingNode>& pending, In
   return level;
 }
 
-/// Child nodes first, then primitives. Sets what is not 0.
+/// Child nodes first, then primitives. Sets only members that are not 0.
 void make_node(const BuildNode& built, const RangeSplitter& splitter, BvhNode& node) {
   node.parent = built.parent;
   node.child_count = built.child_count;

@@ -31,7 +31,7 @@ SELVAGE_INLINE Index sampled_place(Index i, Index step) {
   return i * step + static_cast<Index>(std::uint64_t{random} * static_cast<std::uint32_t>(step) >> 32);
 }
 
-/// What lies on both sides of the planes between bins: bins below i at the left of plane i, the others at the right.
+/// Primitives on both sides of the planes between bins: bins below i at the left of plane i, the others at the right.
 struct Sides {
   float measures[2][3][kBins];
   Index counts[2][3][kBins];
@@ -123,15 +123,15 @@ SplitPlane best_plane(const SplitBins& bins, float measure_scale, bool flat) {
       const float cost = sides.measures[0][axis][i] * leaf_nodes(left) + sides.measures[1][axis][i] * leaf_nodes(right);
       costs[axis][i] = ((left > 0) & (right > 0)) ? cost : __builtin_inff();  // without a branch
     }
-  float least = __builtin_inff();
+  float lowest = __builtin_inff();
   for (int axis = 0; axis < 3; ++axis)
-    for (int i = 0; i < kBins; ++i) least = costs[axis][i] < least ? costs[axis][i] : least;
+    for (int i = 0; i < kBins; ++i) lowest = costs[axis][i] < lowest ? costs[axis][i] : lowest;
   SplitPlane best;
-  if (!(least < __builtin_inff())) return best;
+  if (!(lowest < __builtin_inff())) return best;
   Index best_excess = 0;
   for (int axis = 0; axis < 3; ++axis)
     for (int i = 1; i < kBins; ++i) {
-      if (costs[axis][i] != least) continue;
+      if (costs[axis][i] != lowest) continue;
       const Index excess = __builtin_abs(sides.counts[0][axis][i] - sides.counts[1][axis][i]);
       if (best.axis >= 0 && excess >= best_excess) continue;
       best.axis = axis;
@@ -141,14 +141,14 @@ SplitPlane best_plane(const SplitBins& bins, float measure_scale, bool flat) {
   return best;
 }
 
-void part_few_refs(PrimitiveRef* refs, Index count, int axis, float origin, Index left) {
+void part_ranked_refs(PrimitiveRef* refs, Index count, int axis, float origin, Index left) {
   // Distances as integers, which compare like floats where these are not negative, with the place in the last bits.
-  std::int32_t keys[kFewRefs], ranks[kFewRefs] = {};
-  for (Index i = 0; i < kFewRefs; ++i) keys[i] = 0x7fffffff;
+  std::int32_t keys[kMaxRankedRefs], ranks[kMaxRankedRefs] = {};
+  for (Index i = 0; i < kMaxRankedRefs; ++i) keys[i] = 0x7fffffff;
   for (Index i = 0; i < count; ++i) {
     const float distance = refs[i].lower[axis] - refs[i].negated_upper[axis] - origin;
     const auto bits = __builtin_bit_cast(std::int32_t, distance > 0 ? distance : 0.0f);
-    keys[i] = (bits & ~(kFewRefs - 1)) | i;
+    keys[i] = (bits & ~(kMaxRankedRefs - 1)) | i;
   }
   const Index padded = (count + 15) & ~15;
   for (Index i = 0; i < count; ++i)

@@ -46,20 +46,20 @@ struct SplitPlane {
   int first_right_bin = 0;
 };
 
-constexpr Index kFewRefs = 64;  ///< so few are ranked by comparing all with all
+constexpr Index kMaxRankedRefs = 64;  ///< up to this many are ranked by comparing all with all
 
 // Where there is a `step`, one primitive out of so many stands for them.
 // merge_refs: merges primitives into bounds of boxes and of centres, both as a PrimitiveRef holds them.
 // bin_refs: adds primitives to bins; those whose centres lie outside to the first and the last.
 // best_plane: the cheapest plane. Sizes count as full leaf nodes of eight, so that leaf nodes fill up; equal costs are
 // decided by the more even sizes. Lengths are multiplied by `measure_scale`; flat boxes are measured by their extents.
-// part_few_refs: of at most kFewRefs, brings the `left` ones that are nearest to `origin` along an axis to the front.
-// partition_refs: brings those at the left to the front, without a branch, and returns how many they are.
+// part_ranked_refs: of at most kMaxRankedRefs, brings the `left` ones that are nearest to `origin` along an axis to the
+// front. partition_refs: brings those at the left to the front, without a branch, and returns how many they are.
 #define SELVAGE_SPLIT_KERNEL                                                                                \
   void merge_refs(const PrimitiveRef* refs, Index count, Index step, float* bounds, float* centres);        \
   void bin_refs(const PrimitiveRef* refs, Index count, Index step, const BinScale& scale, SplitBins& bins); \
   SplitPlane best_plane(const SplitBins& bins, float measure_scale, bool flat);                             \
-  void part_few_refs(PrimitiveRef* refs, Index count, int axis, float origin, Index left);                  \
+  void part_ranked_refs(PrimitiveRef* refs, Index count, int axis, float origin, Index left);               \
   Index partition_refs(PrimitiveRef* refs, Index count, const LeftSide& side);
 namespace baseline {
 SELVAGE_SPLIT_KERNEL

@@ -32,12 +32,12 @@ inline constexpr int kStackSize = Bvh::kMaxLevels * (BvhNode::kWidth - 1) + 1;
 inline constexpr float kRelativeSlack = 1.0f / (1 << 19);
 inline constexpr float kAbsoluteSlack = std::numeric_limits<float>::min();
 
-/// What a computed squared distance may be at most, so that the true one can be within the bound.
+/// An upper bound of the computed squared distance where the true one is within the bound.
 SELVAGE_INLINE float widen_bound(float squared_bound) {
   return squared_bound * (1.0f + kRelativeSlack) + kAbsoluteSlack;
 }
 
-/// What the true squared distance is at least.
+/// A lower bound of the true squared distance.
 SELVAGE_INLINE float lower_bound(float computed) {
   const float bound = computed * (1.0f - kRelativeSlack) - kAbsoluteSlack;
   return bound > 0 ? bound : 0;

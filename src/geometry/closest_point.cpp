@@ -74,9 +74,9 @@ ClosestPoint<3, 3> closest_on_edges(const Vec3& p, const Triangle& triangle) {
 bool is_exactly_flat(const Triangle& triangle) {
   for (int k = 0; k < 3; ++k) {
     const int x = k, y = (k + 1) % 3;
-    std::array<Vec2, 3> shadow;
-    for (int i = 0; i < 3; ++i) shadow[i] = Vec2(triangle[i][x], triangle[i][y]);
-    if (orientation(shadow) != 0) return false;
+    std::array<Vec2, 3> projection;
+    for (int i = 0; i < 3; ++i) projection[i] = Vec2(triangle[i][x], triangle[i][y]);
+    if (orientation(projection) != 0) return false;
   }
   return true;
 }

@@ -62,8 +62,8 @@ int sign_of_det(const Interval& a, const Interval& b, const Interval& c, const I
 }
 
 /// Decides by halving the time, in floating point with bounds of all errors. In a part of time the sets do not meet if
-/// the volume is not zero there, or if the shadows of the sets on some coordinate plane do not meet; they do if the
-/// volume changes its sign while the shadows cross properly, for then some moment brings all into one plane.
+/// the volume is not zero there, or if the projections of the sets on some coordinate plane do not meet; they do if the
+/// volume changes its sign while the projections cross properly, for then some moment brings all into one plane.
 class TimeHalving {
  public:
   TimeHalving(ContinuousPair pair, const MovingPoints& points, const VolumeOverTime& volume)
@@ -126,8 +126,8 @@ class TimeHalving {
     return places;
   }
 
-  /// Whether the shadows on the coordinate plane in which they are largest certainly meet properly or are apart.
-  Certainty shadows_meet(const TimePart& part) const {
+  /// Whether the projections on the coordinate plane in which they are largest certainly meet properly or are apart.
+  Certainty projections_meet(const TimePart& part) const {
     const Places p = places_during(part);
     const int first = pair_ == ContinuousPair::kVertexFace ? 1 : 0;
     int axis = 0;
@@ -161,9 +161,9 @@ class TimeHalving {
   Certainty decide_at_once(const TimePart& part) const {
     const int start = sign_of_volume(part.volume[0]), end = sign_of_volume(part.volume[3]);
     if (start != 0 && is_of_sign(start, part)) return Certainty::kNo;
-    const Certainty shadows = shadows_meet(part);
-    if (shadows == Certainty::kNo) return Certainty::kNo;
-    return shadows == Certainty::kYes && start * end < 0 ? Certainty::kYes : Certainty::kUnknown;
+    const Certainty projections = projections_meet(part);
+    if (projections == Certainty::kNo) return Certainty::kNo;
+    return projections == Certainty::kYes && start * end < 0 ? Certainty::kYes : Certainty::kUnknown;
   }
 
   /// As are pairs of bodies that lie on each other: whatever part begins then is doubtful, too, however small.

@@ -15,7 +15,7 @@ Vec3 closest_difference(const std::array<Vec3, 2>& a, const std::array<Vec3, 2>&
   };
   for (const Vec3& p : a) take(closest_point_on_segment<3>(p, b[0], b[1]).point - p);
   for (const Vec3& p : b) take(p - closest_point_on_segment<3>(p, a[0], a[1]).point);
-  // Inside both, where they are not parallel: the one place where the distance of their lines is least.
+  // Inside both, where they are not parallel: the one place where the distance of their lines is smallest.
   const Vec3 u = a[1] - a[0], v = b[1] - b[0], w = b[0] - a[0];
   const double uu = u.dot(u), uv = u.dot(v), vv = v.dot(v), uw = u.dot(w), vw = v.dot(w);
   const double det = uu * vv - uv * uv;

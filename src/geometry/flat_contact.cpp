@@ -9,18 +9,18 @@ namespace selvage {
 namespace {
 
 using Triangle = std::array<Vec3, 3>;
-using Shadow = std::array<Vec2, 3>;
+using PlanarTriangle = std::array<Vec2, 3>;
 
 Vec2 without_axis(const Vec3& point, int axis) {
   return {point[(axis + 1) % 3], point[(axis + 2) % 3]};
 }
 
-Shadow without_axis(const Triangle& triangle, int axis) {
+PlanarTriangle without_axis(const Triangle& triangle, int axis) {
   return {without_axis(triangle[0], axis), without_axis(triangle[1], axis), without_axis(triangle[2], axis)};
 }
 
-/// An axis along which the shadow of (p, q, r) is a proper triangle; -1 when p, q and r are collinear.
-int axis_of_proper_shadow(const Vec3& p, const Vec3& q, const Vec3& r) {
+/// An axis along which the projection of (p, q, r) is a proper triangle; -1 when p, q and r are collinear.
+int axis_of_proper_projection(const Vec3& p, const Vec3& q, const Vec3& r) {
   for (int axis = 0; axis < 3; ++axis)
     if (orient2d(without_axis(p, axis), without_axis(q, axis), without_axis(r, axis)) != 0) return axis;
   return -1;
@@ -35,10 +35,10 @@ TriangleContact classify_on_line(const Triangle& a, const Triangle& b, int k) {
   return interiors_meet ? TriangleContact::kCoplanarOverlap : TriangleContact::kTouching;
 }
 
-/// What the lines along the edges of a show, in a plane with not all six points on one line: the sets are disjoint when
+/// The separation test along the edges of a, in a plane with not all six points on one line: the sets are disjoint when
 /// a line separates them strictly, their interiors when one does with points of both upon it but not all. Such a line
 /// is found along an edge of a or b if there is any: the difference of the two sets is a polygon with these edges.
-TriangleContact separate_along_edges(const Shadow& a, const Shadow& b) {
+TriangleContact separate_along_edges(const PlanarTriangle& a, const PlanarTriangle& b) {
   TriangleContact contact = TriangleContact::kCoplanarOverlap;
   for (int i = 0; i < 3; ++i) {
     const Vec2 &p = a[i], &q = a[(i + 1) % 3];
@@ -51,7 +51,7 @@ TriangleContact separate_along_edges(const Shadow& a, const Shadow& b) {
   return contact;
 }
 
-TriangleContact classify_in_plane(const Shadow& a, const Shadow& b) {
+TriangleContact classify_in_plane(const PlanarTriangle& a, const PlanarTriangle& b) {
   const TriangleContact along_a = separate_along_edges(a, b);
   return along_a == TriangleContact::kDisjoint ? along_a : std::min(along_a, separate_along_edges(b, a));
 }
@@ -81,13 +81,13 @@ TriangleContact classify_flat_contact(const Triangle& a, const Triangle& b) {
   if (q == points.end()) return TriangleContact::kCoplanarOverlap;
   int axis = -1;
   const auto r = std::find_if(q, points.end(), [&](const Vec3& x) {
-    axis = axis_of_proper_shadow(p, *q, x);
+    axis = axis_of_proper_projection(p, *q, x);
     return axis >= 0;
   });
   if (r == points.end()) return classify_on_line(a, b, p[0] != (*q)[0] ? 0 : p[1] != (*q)[1] ? 1 : 2);
   const bool coplanar = std::all_of(r, points.end(), [&](const Vec3& x) { return orient3d(p, *q, *r, x) == 0; });
   if (coplanar) return classify_in_plane(without_axis(a, axis), without_axis(b, axis));
-  return axis_of_proper_shadow(a[0], a[1], a[2]) >= 0 ? classify_pierced(a, b) : classify_pierced(b, a);
+  return axis_of_proper_projection(a[0], a[1], a[2]) >= 0 ? classify_pierced(a, b) : classify_pierced(b, a);
 }
 
 bool triangle_contains(const Triangle& triangle, const Vec3& point) {

@@ -11,9 +11,9 @@ namespace selvage {
 
 namespace {
 
-/// Halves the time until each part is told: by a moment at which the sets are near; or by the direction in which they
-/// lie apart in its middle, if they lie apart along it at both ends too, and so throughout, by linearity. Sets that
-/// slide along each other without coming near are told at once, whatever their speed.
+/// Halves the time until each part is decided: by a moment at which the sets are near; or by the direction in which
+/// they lie apart in its middle, if they lie apart along it at both ends too, and so throughout, by linearity. Sets
+/// that slide along each other without coming near are decided at once, whatever their speed.
 template <int kFirst>
 class NearnessSearch {
  public:

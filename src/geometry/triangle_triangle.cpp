@@ -209,8 +209,8 @@ bool meet_beyond_edge_exact(const Triangle& a, const Triangle& b) {
   if (orient3d(a[0], a[1], a[2], b[2]) != 0) return false;
   bool on_one_line = true;
   for (int k = 0; k < 3; ++k) {
-    const auto shadow = [k](const Vec3& p) { return Vec2(p[k], p[(k + 1) % 3]); };
-    const Vec2 start = shadow(a[0]), end = shadow(a[1]), apex_a = shadow(a[2]), apex_b = shadow(b[2]);
+    const auto project = [k](const Vec3& p) { return Vec2(p[k], p[(k + 1) % 3]); };
+    const Vec2 start = project(a[0]), end = project(a[1]), apex_a = project(a[2]), apex_b = project(b[2]);
     const int side_of_a = orient2d(start, end, apex_a), side_of_b = orient2d(start, end, apex_b);
     if (side_of_a != 0 && side_of_a == side_of_b) return true;
     on_one_line &= side_of_a == 0 && side_of_b == 0 && orient2d(start, apex_a, apex_b) == 0;

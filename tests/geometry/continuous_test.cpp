@@ -199,7 +199,7 @@ MovingPoints random_doubles(RandomSource& random, ContinuousPair pair, double sc
 
 /// What lies on a lattice, up to rounding: points of one lattice that have come to rest on each other, so that they
 /// meet, or nearly do, at the beginning of a small motion.
-MovingPoints random_settled(RandomSource& random, ContinuousPair pair) {
+MovingPoints random_resting(RandomSource& random, ContinuousPair pair) {
   const double cell = 0.05, speed = std::ldexp(1.0, static_cast<int>(random.integer(-24, -6)));
   const bool is_tilted = random.integer(0, 3) == 0;
   const double z = random.integer(0, 1) == 0 ? 0 : random.uniform();
@@ -232,7 +232,7 @@ MovingPoints hostile_doubles(RandomSource& random, ContinuousPair pair, std::int
   constexpr double kScales[] = {1, 1e150, 1e-150, 0x1p-1060};
   switch (n % 3) {
     case 0:
-      return random_settled(random, pair);
+      return random_resting(random, pair);
     case 1:
       return random_mixed(random, pair);
     default:
@@ -293,22 +293,22 @@ TEST(ContinuousPairs, EqualTheDefinitionOnAnyDoubles) {
 /// The filter, the stage of fixed integers and that of any agree where the oracle would be too slow.
 void compare_stages(ContinuousPair pair, std::uint64_t seed, std::int64_t count) {
   RandomSource random(seed);
-  std::int64_t wrong = 0, wrong_steps = 0, settled = 0, settled_undecided = 0;
+  std::int64_t wrong = 0, wrong_steps = 0, resting = 0, resting_undecided = 0;
   for (std::int64_t n = 0; n < count; ++n) {
-    const bool is_lattice = n % 4 == 0, is_settled = !is_lattice && n % 3 == 0;
+    const bool is_lattice = n % 4 == 0, is_resting = !is_lattice && n % 3 == 0;
     const MovingPoints points =
         is_lattice ? to_points(random_motion(random, pair, kind_of(n / 4)), 0.1) : hostile_doubles(random, pair, n);
     const auto last_step = static_cast<int>(random.integer(0, 1) == 0 ? kTimeSteps : random.integer(1, kTimeSteps));
     const int expected = first_step_by_any_integers(pair, points, last_step);
     const auto by_fixed = first_step_by_fixed_integers(pair, points, last_step);
-    settled += is_settled;
-    settled_undecided += is_settled && !by_fixed;
+    resting += is_resting;
+    resting_undecided += is_resting && !by_fixed;
     wrong_steps += by_fixed && *by_fixed != expected;
     wrong += last_step == kTimeSteps && meet(pair, points) != (expected < kTimeSteps);
   }
   EXPECT_EQ(wrong, 0) << "of " << count;
   EXPECT_EQ(wrong_steps, 0) << "of " << count;
-  EXPECT_LE(settled_undecided, settled / 20 + 1);
+  EXPECT_LE(resting_undecided, resting / 20 + 1);
 }
 
 TEST(VertexFace, StagesAgree) {

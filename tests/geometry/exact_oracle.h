@@ -50,7 +50,7 @@ int rational_orientation(const std::array<Vec<D>, D + 1>& simplex) {
   return sign(signed_volume(exact));
 }
 
-/// The same with one denominator for all doubles, 2^1074: the numerators alone decide, which spares the many greatest
+/// The same with one denominator for all doubles, 2^1074: the numerators alone decide, which avoids the many greatest
 /// common divisors of rational arithmetic. A test holds it against `rational_orientation`.
 template <int D>
 int fixed_point_orientation(const std::array<Vec<D>, D + 1>& simplex) {

@@ -28,8 +28,9 @@ double distance_at(const MovingPoints& points, bool edges, double t) {
                          : closest_point_on_triangle(x[0], x[1], x[2], x[3]).squared_distance);
 }
 
-/// The least distance, by many samples and a search around the best of them: not below the true one, and hardly above.
-double least_distance(const MovingPoints& points, bool edges) {
+/// The smallest distance, by many samples and a search around the best of them: not below the true one, and hardly
+/// above.
+double smallest_distance(const MovingPoints& points, bool edges) {
   constexpr int kSamples = 500;
   double best = 0;
   for (int k = 0; k <= kSamples; ++k)
@@ -66,18 +67,18 @@ TEST(MovingDistance, TellsWhatSamplesTell) {
   for (std::int64_t n = 0; n < scaled(3000); ++n) {
     const MovingPoints points = random_motion(random, n);
     for (const bool edges : {false, true}) {
-      const double least = least_distance(points, edges);
+      const double smallest = smallest_distance(points, edges);
       for (const double factor : {0.3, 0.9, 0.999, 0.99999, 1.00001, 1.001, 1.1, 4.0}) {
-        if (!(least > 1e-3)) continue;
+        if (!(smallest > 1e-3)) continue;
         // Samples may have missed another, nearer moment: then near is right though they say far.
-        const bool told = comes_near(points, edges, least * factor);
+        const bool told = comes_near(points, edges, smallest * factor);
         if (factor > 1) {
           ASSERT_TRUE(told) << n << " " << factor;
           ++near;
         } else if (told) {
-          double nearest = least;
+          double nearest = smallest;
           for (int k = 0; k <= 20000; ++k) nearest = std::min(nearest, distance_at(points, edges, k / 20000.0));
-          ASSERT_LT(nearest, least * factor * (1 + 1e-5)) << n << " " << factor;
+          ASSERT_LT(nearest, smallest * factor * (1 + 1e-5)) << n << " " << factor;
         } else {
           ++far;
         }

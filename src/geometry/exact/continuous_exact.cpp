@@ -31,21 +31,21 @@ Coordinates to_integers(const MovingPoints& points) {
   return coordinates;
 }
 
-/// The polynomials of time by whose signs it is known whether two sets of four points in all meet.
+/// The polynomials of time whose signs decide whether two sets of four points in all meet.
 ///
-/// All moments at which they meet are a closed set, and between two neighbouring roots of polynomials that tell the
-/// answer it is all or nothing: if the sets meet at all, then at time 0, at the end or at such a root. Which
-/// polynomials tell depends: where the volume is not always zero, it must be zero. Else, if the shadows of the points
-/// on one coordinate plane are not always collinear, their areas tell, except at roots of all of them. Else all is on
-/// one line always, and the differences along one axis tell, in the same way. Each group of polynomials is one such
-/// case, and the first that is not zero throughout decides.
+/// All moments at which they meet are a closed set, and between two neighbouring roots of the polynomials that decide
+/// it is all or nothing: if the sets meet at all, then at time 0, at the end or at such a root. Which
+/// polynomials decide depends: where the volume is not always zero, it must be zero. Else, if the projections of the
+/// points on one coordinate plane are not always collinear, their areas decide, except at roots of all of them. Else
+/// all is on one line always, and the differences along one axis decide, in the same way. Each group of polynomials is
+/// one such case, and the first that is not zero throughout decides.
 ///
 /// With integers that grow there is always an answer. With fixed ones there is none where two roots, or a root and the
 /// root of a polynomial whose sign is asked for there, are too close to each other.
 template <class Int>
 class SignConditions {
  public:
-  /// @param first_axis  the one along which shadows are looked at first
+  /// @param first_axis  the one along which projections are looked at first
   SignConditions(ContinuousPair pair, const Coordinates& coordinates, int first_axis);
 
   /// The first of `kTimeSteps` in which they hold, ends included; `last_step` if not before its end.
@@ -68,14 +68,14 @@ class SignConditions {
   Volume volume_;
 
   static int pair_index(int i, int j) { return i == 0 ? j - 1 : i + j; }
-  Area shadow_area(int p, int q, int r, int axis) const;
+  Area projected_area(int p, int q, int r, int axis) const;
   Areas areas_along(int axis) const;
   /// Of each pair, the second minus the first.
   Distances distances_along(int axis) const;
 
   template <class SignAt>
   bool hold(SignAt&& sign_at) const;
-  bool shadows_meet(const std::array<int, kTriples>& areas) const;
+  bool projections_meet(const std::array<int, kTriples>& areas) const;
   template <class SignAt>
   bool intervals_meet(SignAt&& sign_at) const;
   /// Calls `visit(root)` for the roots inside (0, 1) of what decides.
@@ -90,11 +90,11 @@ SignConditions<Int>::SignConditions(ContinuousPair pair, const Coordinates& coor
   for (int i = 0; i < kPoints; ++i)
     for (int k = 0; k < 3; ++k)
       points_[i][k] = line(coordinates[k].integer<Int>(i), coordinates[k].integer<Int>(4 + i));
-  for (int k = 0; k < 3; ++k) volume_ += shadow_area(1, 2, 3, k) * (points_[1][k] - points_[0][k]);
+  for (int k = 0; k < 3; ++k) volume_ += projected_area(1, 2, 3, k) * (points_[1][k] - points_[0][k]);
 }
 
 template <class Int>
-auto SignConditions<Int>::shadow_area(int p, int q, int r, int axis) const -> Area {
+auto SignConditions<Int>::projected_area(int p, int q, int r, int axis) const -> Area {
   const int x = (axis + 1) % 3, y = (axis + 2) % 3;
   const auto side = [this, p](int to, int k) { return points_[to][k] - points_[p][k]; };
   return side(q, x) * side(r, y) - side(q, y) * side(r, x);
@@ -102,8 +102,8 @@ auto SignConditions<Int>::shadow_area(int p, int q, int r, int axis) const -> Ar
 
 template <class Int>
 auto SignConditions<Int>::areas_along(int axis) const -> Areas {
-  return {shadow_area(1, 2, 3, axis), shadow_area(0, 2, 3, axis), shadow_area(0, 1, 3, axis),
-          shadow_area(0, 1, 2, axis)};
+  return {projected_area(1, 2, 3, axis), projected_area(0, 2, 3, axis), projected_area(0, 1, 3, axis),
+          projected_area(0, 1, 2, axis)};
 }
 
 template <class Int>
@@ -114,10 +114,10 @@ auto SignConditions<Int>::distances_along(int axis) const -> Distances {
   return distances;
 }
 
-/// The shadows of two sets in one plane, on a coordinate plane that shows it properly, given the orientations of all
-/// triples, not all 0: they are apart exactly when a line along an edge of either parts them.
+/// The projections of two sets in one plane, on a coordinate plane that shows it properly, given the orientations of
+/// all triples, not all 0: they are apart exactly when a line along an edge of either parts them.
 template <class Int>
-bool SignConditions<Int>::shadows_meet(const std::array<int, kTriples>& areas) const {
+bool SignConditions<Int>::projections_meet(const std::array<int, kTriples>& areas) const {
   if (pair_ == ContinuousPair::kEdgeEdge) {
     const int third_over_first = areas[3], fourth_over_first = areas[2];
     const int first_over_second = areas[1], second_over_second = areas[0];
@@ -157,7 +157,7 @@ bool SignConditions<Int>::hold(SignAt&& sign_at) const {
     const Areas polynomials = areas_along((first_axis_ + i) % 3);
     std::array<int, kTriples> areas;
     std::transform(polynomials.begin(), polynomials.end(), areas.begin(), sign_at);
-    if (areas != std::array<int, kTriples>{}) return shadows_meet(areas);
+    if (areas != std::array<int, kTriples>{}) return projections_meet(areas);
   }
   return intervals_meet(sign_at);
 }
@@ -205,8 +205,8 @@ std::optional<int> SignConditions<Int>::first_step(int last_step) const {
   return hold(sign_at_end) ? last_step - 1 : last_step;
 }
 
-/// The axis along which shadows are largest; any where that overflows.
-int axis_of_shadow(ContinuousPair pair, const MovingPoints& points) {
+/// The axis along which projections are largest; any where that overflows.
+int axis_of_projection(ContinuousPair pair, const MovingPoints& points) {
   const auto& [a, b, c, d] = points.t0;
   const Vec3 normal = (pair == ContinuousPair::kVertexFace ? c - b : b - a).cross(d - c).cwiseAbs();
   const int larger = normal[1] > normal[0] ? 1 : 0;
@@ -216,7 +216,7 @@ int axis_of_shadow(ContinuousPair pair, const MovingPoints& points) {
 template <class Int>
 std::optional<int> first_step_by(ContinuousPair pair, const MovingPoints& points, const Coordinates& coordinates,
                                  int last_step) {
-  return SignConditions<Int>(pair, coordinates, axis_of_shadow(pair, points)).first_step(last_step);
+  return SignConditions<Int>(pair, coordinates, axis_of_projection(pair, points)).first_step(last_step);
 }
 
 }  // namespace
