@@ -80,7 +80,7 @@ void culling(benchmark::State& state) {
                  std::string(culling_method_names()[static_cast<std::size_t>(state.range(1))]));
   state.counters["pairs"] = static_cast<double>(pairs);
   state.counters["cleared"] =
-      static_cast<double>(counters.cleared_triangles) / static_cast<double>(surface.mesh.triangle_count());
+      static_cast<double>(counters.culled_triangles) / static_cast<double>(surface.mesh.triangle_count());
   state.counters["box_pairs"] = static_cast<double>(counters.box_pairs);
 }
 BENCHMARK(culling)->Name("Culling")->ArgsProduct({{0, 1, 2}, {0, 1, 2, 3, 4, 5, 6}})->Unit(benchmark::kMillisecond);

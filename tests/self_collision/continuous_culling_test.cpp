@@ -80,26 +80,26 @@ TEST(ContinuousCulling, ChangesNoAnswerOnCombs) {
   }
 }
 
-// Large enough that there is something to clear; every method must have cleared its share in all.
+// Large enough that there is something to cull; every method must have culled its share in all.
 TEST(ContinuousCulling, ChangesNoAnswerOnWavedSheets) {
   Random random(32);
-  std::int64_t cleared[3] = {}, triangles = 0, pairs = 0;
+  std::int64_t culled[3] = {}, triangles = 0, pairs = 0;
   for (std::int64_t n = 0; n < scaled(200); ++n) {
     const Surface start = surfaces::waved_sheet(random);
     const Positions end = step_from(start, std::pow(random.unit(), 4) * 3, random);
     ContinuousCounters none;
     const ContinuousPairs expected = pairs_by(CullingMethod::kBvh, start, end, &none);
-    ASSERT_EQ(none.cleared_triangles, 0);
+    ASSERT_EQ(none.culled_triangles, 0);
     for (int m = 0; m < 3; ++m) {
       ContinuousCounters counters;
       ASSERT_EQ(pairs_by(kAccurateForSteps[m], start, end, &counters), expected) << n;
-      cleared[m] += counters.cleared_triangles;
+      culled[m] += counters.culled_triangles;
     }
     triangles += std::ssize(start.triangles);
     pairs += std::ssize(expected.vertex_face) + std::ssize(expected.edge_edge);
   }
   EXPECT_GT(pairs, scaled(200));
-  for (const std::int64_t count : cleared) EXPECT_GT(count, triangles / 5);
+  for (const std::int64_t count : culled) EXPECT_GT(count, triangles / 5);
 }
 
 TEST(ContinuousCulling, FollowsNewSteps) {
@@ -134,25 +134,25 @@ TEST(ContinuousCulling, IsTheSameForAnyNumberOfThreads) {
         pairs = pairs_by(method, start, end, &one_thread);
       }
       EXPECT_EQ(pairs_by(method, start, end, &many), pairs);
-      EXPECT_EQ(many.cleared_triangles, one_thread.cleared_triangles);
+      EXPECT_EQ(many.culled_triangles, one_thread.culled_triangles);
       EXPECT_EQ(many.node_pairs, one_thread.node_pairs);
     }
   }
 }
 
-// A square turned over within the step: a graph at both ends, and in itself between.
+// A square turned over within the step: embedded in a plane at both ends, and passing through itself between.
 TEST(ContinuousCulling, SeesWhatHappensBetweenTheEnds) {
   Random random(35);
   const Surface start = surfaces::sheet(9, 9, random);
   Positions end = start.positions;
   for (Vec3& x : end) x[0] = 9 - x[0];
-  ContinuousCounters still, turned;
+  ContinuousCounters at_rest, turned;
   for (const CullingMethod method : kAccurateForSteps) {
-    EXPECT_TRUE(pairs_by(method, start, start.positions, &still).empty());
+    EXPECT_TRUE(pairs_by(method, start, start.positions, &at_rest).empty());
     EXPECT_FALSE(pairs_by(method, start, end, &turned).empty());
   }
-  EXPECT_EQ(still.cleared_triangles, std::ssize(kAccurateForSteps) * std::ssize(start.triangles));
-  EXPECT_EQ(turned.cleared_triangles, 0);
+  EXPECT_EQ(at_rest.culled_triangles, std::ssize(kAccurateForSteps) * std::ssize(start.triangles));
+  EXPECT_EQ(turned.culled_triangles, 0);
   ASSERT_NO_FATAL_FAILURE(expect_all_agree(start, end));
 }
 

@@ -79,7 +79,7 @@ TEST(Culling, ChangesNoAnswerOnWavedSheets) {
     for (std::size_t m = 0; m < std::size(kAccurate); ++m) pairs_by(kAccurate[m], surface, false, &counters[m]);
   }
   // Else nothing of the above means anything.
-  for (const SelfCollisionCounters& counter : counters) EXPECT_GT(counter.cleared_triangles, triangles / 4);
+  for (const SelfCollisionCounters& counter : counters) EXPECT_GT(counter.culled_triangles, triangles / 4);
 }
 
 TEST(Culling, FollowsNewPoses) {
@@ -99,23 +99,24 @@ TEST(Culling, FollowsNewPoses) {
   }
 }
 
-// Where a sample of small pieces shows that little would be cleared, no other piece is asked; else all that can be is.
+// Where a sample of small pieces shows that little would be culled, no other piece is tested; else all that can be
+// culled are.
 TEST(Culling, IsAskedWhereItPays) {
   Random random(21);
   Surface flat = surfaces::sheet(160, 160, random), crumpled = flat;
   for (Vec3& x : crumpled.positions) x += Vec3(random.within(-2, 2), random.within(-2, 2), random.within(-2, 2));
   SelfCollisionCounters of_flat, of_crumpled, of_bvh;
   EXPECT_TRUE(pairs_by(CullingMethod::kAuto, flat, false, &of_flat).empty());
-  EXPECT_EQ(of_flat.cleared_triangles, std::ssize(flat.triangles));
+  EXPECT_EQ(of_flat.culled_triangles, std::ssize(flat.triangles));
   EXPECT_EQ(pairs_by(CullingMethod::kAuto, crumpled, false, &of_crumpled),
             pairs_by(CullingMethod::kBvh, crumpled, false, &of_bvh));
-  EXPECT_EQ(of_crumpled.cleared_nodes, 0);
+  EXPECT_EQ(of_crumpled.culled_nodes, 0);
   EXPECT_EQ(of_crumpled.node_pairs, of_bvh.node_pairs);
-  // A sixth of it crumpled: the rest is still cleared.
+  // A sixth of it crumpled: the rest is culled.
   for (std::size_t v = 0; v < flat.positions.size() / 6; ++v) flat.positions[v] = crumpled.positions[v];
   SelfCollisionCounters of_both;
   EXPECT_EQ(pairs_by(CullingMethod::kAuto, flat, false, &of_both), pairs_by(CullingMethod::kBvh, flat));
-  EXPECT_GT(of_both.cleared_triangles, std::ssize(flat.triangles) / 2);
+  EXPECT_GT(of_both.culled_triangles, std::ssize(flat.triangles) / 2);
 }
 
 TEST(Culling, IsTheSameForAnyNumberOfThreads) {
@@ -130,7 +131,7 @@ TEST(Culling, IsTheSameForAnyNumberOfThreads) {
         pairs = pairs_by(method, surface, false, &one_thread);
       }
       EXPECT_EQ(pairs_by(method, surface, false, &many), pairs);
-      EXPECT_EQ(many.cleared_triangles, one_thread.cleared_triangles);
+      EXPECT_EQ(many.culled_triangles, one_thread.culled_triangles);
       EXPECT_EQ(many.node_pairs, one_thread.node_pairs);
     }
   }
@@ -220,7 +221,7 @@ struct Scene {
       boxes.push_back(bounding_box<3>(std::array<Vec3, 3>{positions[t[0]], positions[t[1]], positions[t[2]]}));
     bvh = Bvh(boxes);
     pieces = SurfacePieces(mesh, bvh);
-    graphs.place(pieces, {positions});
+    embedding.place(pieces, {positions});
   }
   Scene(const Scene&) = delete;
 
@@ -230,12 +231,12 @@ struct Scene {
   std::vector<Vec3> positions;
   Bvh bvh;
   SurfacePieces pieces;
-  PlanarEmbeddingTest<1> graphs;
+  PlanarEmbeddingTest<1> embedding;
   PlanarEmbeddingTest<1>::Workspace workspace;
 };
 
 /// Nodes that pass all of EDC's conditions as published, and yet hold a pair.
-int nodes_cleared_in_error(const Surface& surface) {
+int nodes_culled_in_error(const Surface& surface) {
   Scene input(surface);
   const SurfaceCones<1> cones(input.bvh, input.pieces, {input.positions});
   const std::vector<Index> place = places(input.bvh);
@@ -248,7 +249,7 @@ int nodes_cleared_in_error(const Surface& surface) {
       return range.holds(place[pair.first]) && range.holds(place[pair.second]);
     });
     if (holds_pair && test_enhanced_dual_cone<1>(input.bvh, input.pieces, cones, {input.positions}, node)
-                          .does_clear(input.bvh.nodes()[node].child_count))
+                          .all_pass(input.bvh.nodes()[node].child_count))
       ++count;
   }
   return count;
@@ -256,12 +257,12 @@ int nodes_cleared_in_error(const Surface& surface) {
 
 TEST(PublishedConditions, AllTogetherDoNotSuffice) {
   int on_sectors = 0;
-  for (int turn = 0; turn < 90; turn += 15) on_sectors += nodes_cleared_in_error(surfaces::overwound_sector(turn));
+  for (int turn = 0; turn < 90; turn += 15) on_sectors += nodes_culled_in_error(surfaces::overwound_sector(turn));
   EXPECT_GT(on_sectors, 0);
 }
 
 /// Pairs of triangles that lie in two children of a node which EDC's condition 3 takes for apart, of a node that is not
-/// cleared as a whole: what algorithm 3 skips.
+/// culled as a whole: what algorithm 3 skips.
 std::int64_t pairs_skipped_between_siblings(const Surface& surface) {
   Scene input(surface);
   const SurfaceCones<1> cones(input.bvh, input.pieces, {input.positions});
@@ -272,7 +273,7 @@ std::int64_t pairs_skipped_between_siblings(const Surface& surface) {
   for (Index node = 0; node < static_cast<Index>(nodes.size()); ++node) {
     if (nodes[node].children[0] >= 0) continue;
     const auto result = test_enhanced_dual_cone<1>(input.bvh, input.pieces, cones, {input.positions}, node);
-    if (result.does_clear(nodes[node].child_count)) continue;
+    if (result.all_pass(nodes[node].child_count)) continue;
     const auto range = input.pieces.ranges()[node];
     for (const TrianglePair& pair : pairs) {
       if (!range.holds(place[pair.first]) || !range.holds(place[pair.second])) continue;
@@ -288,7 +289,7 @@ std::int64_t pairs_skipped_between_siblings(const Surface& surface) {
 // traversal is to blame: no node of the surface passes all tests, and with them alone nothing is missed.
 TEST(PublishedConditions, TraversalSkipsSiblingsThatMeet) {
   const Surface surface = surfaces::crossed_rectangles();
-  ASSERT_EQ(nodes_cleared_in_error(surface), 0);
+  ASSERT_EQ(nodes_culled_in_error(surface), 0);
   EXPECT_GT(pairs_skipped_between_siblings(surface), 0);
   const TriangleMesh mesh = surface.mesh();
   SelfCollisionOptions options = by(CullingMethod::kEnhancedDualConePublished);
@@ -308,28 +309,28 @@ TEST(PlanarEmbeddingTest, IsNotFooledByNestedContours) {
   Scene input(surface);
   const ProjectionPlane plane = plane_across(Vec3(0, 0, 1));
   EXPECT_EQ(input.contours(0).loops.size(), 2u);
-  EXPECT_TRUE(input.graphs.do_triangles_face(0, plane));
-  EXPECT_FALSE(input.graphs.is_contour_embedded(0, plane, input.workspace));
+  EXPECT_TRUE(input.embedding.do_triangles_face(0, plane));
+  EXPECT_FALSE(input.embedding.is_contour_embedded(0, plane, input.workspace));
   ASSERT_NO_FATAL_FAILURE(expect_all_agree(surface));
 }
 
-TEST(PlanarEmbeddingTest, ClearsSheetsSideBySideAndWithHoles) {
+TEST(PlanarEmbeddingTest, CullsSheetsSideBySideAndWithHoles) {
   Random random(16);
   Surface left = surfaces::sheet(6, 6, random), right = left;
   for (Vec3& x : right.positions) x[0] += 7;
   Surface both = surfaces::together(left, right);
   Scene two(both);
-  EXPECT_TRUE(two.graphs.is_graph(0, two.workspace));
+  EXPECT_TRUE(two.embedding.is_embedded(0, two.workspace));
   for (Vec3& x : right.positions) x += Vec3(-6.5, 0.2, 1);
   Scene above(surfaces::together(left, right));
-  EXPECT_FALSE(above.graphs.is_graph(0, above.workspace));
+  EXPECT_FALSE(above.embedding.is_embedded(0, above.workspace));
   std::erase_if(left.triangles, [&](const VertexTuple<3>& t) {
     const Vec3 middle = (left.positions[t[0]] + left.positions[t[1]] + left.positions[t[2]]) / 3;
     return middle[0] > 2 && middle[0] < 4 && middle[1] > 2 && middle[1] < 4;
   });
   Scene holed(left);
   EXPECT_EQ(holed.contours(0).loops.size(), 2u);
-  EXPECT_TRUE(holed.graphs.is_graph(0, holed.workspace));
+  EXPECT_TRUE(holed.embedding.is_embedded(0, holed.workspace));
 }
 
 TEST(PlanarEmbeddingTest, DoesNotDependOnOrientation) {
@@ -338,14 +339,14 @@ TEST(PlanarEmbeddingTest, DoesNotDependOnOrientation) {
   for (VertexTuple<3>& t : surface.triangles)
     if (random.below(2) == 0) std::swap(t[0], t[1]);
   Scene input(surface);
-  EXPECT_TRUE(input.graphs.is_graph(0, input.workspace));
+  EXPECT_TRUE(input.embedding.is_embedded(0, input.workspace));
 }
 
-// Whatever piece is called a graph holds no pair at all, adjacent ones included: each pair that the hierarchy alone
+// A piece that passes the test holds no pair at all, adjacent ones included: each pair that the hierarchy alone
 // finds is looked up in every node.
-TEST(PlanarEmbeddingTest, NoGraphHoldsAPair) {
+TEST(PlanarEmbeddingTest, NoEmbeddedPieceHoldsAPair) {
   Random random(18);
-  std::int64_t graphs = 0;
+  std::int64_t passed = 0;
   for (std::int64_t n = 0; n < scaled(400); ++n) {
     const auto& families = surfaces::families();
     Surface surface = n % 2 == 0 ? surfaces::waved_sheet(random)
@@ -355,14 +356,14 @@ TEST(PlanarEmbeddingTest, NoGraphHoldsAPair) {
     const std::vector<Index> place = places(input.bvh);
     const Pairs pairs = pairs_by(CullingMethod::kBvh, surface, true);
     for (Index node = 0; node < static_cast<Index>(input.bvh.nodes().size()); ++node) {
-      if (!input.graphs.is_graph(node, input.workspace)) continue;
-      ++graphs;
+      if (!input.embedding.is_embedded(node, input.workspace)) continue;
+      ++passed;
       const auto range = input.pieces.ranges()[node];
       for (const TrianglePair& pair : pairs)
         ASSERT_FALSE(range.holds(place[pair.first]) && range.holds(place[pair.second])) << n;
     }
   }
-  EXPECT_GT(graphs, scaled(400));
+  EXPECT_GT(passed, scaled(400));
 }
 
 /// Every vertex part of the way from one pose to another.
@@ -372,10 +373,10 @@ std::vector<Vec3> between(std::span<const Vec3> from, std::span<const Vec3> to, 
   return positions;
 }
 
-// Over a step: a piece that is a graph all the time holds no pair at any time.
-TEST(PlanarEmbeddingTest, NoMovingGraphHoldsAPairAtAnyTime) {
+// Over a step: a piece that is embedded all the time holds no pair at any time.
+TEST(PlanarEmbeddingTest, NoMovingEmbeddedPieceHoldsAPairAtAnyTime) {
   Random random(19);
-  std::int64_t graphs = 0, graphs_in_frame = 0;
+  std::int64_t passed = 0, passed_in_frame = 0;
   for (std::int64_t n = 0; n < scaled(150); ++n) {
     const Surface surface = surfaces::waved_sheet(random);
     const Surface end = surfaces::jittered(surface, random.unit() * random.unit(), random);
@@ -394,39 +395,39 @@ TEST(PlanarEmbeddingTest, NoMovingGraphHoldsAPairAtAnyTime) {
       pairs.push_back(
           pairs_by(CullingMethod::kBvh, {between(surface.positions, end.positions, t), surface.triangles}, true));
     for (Index node = 0; node < static_cast<Index>(input.bvh.nodes().size()); ++node) {
-      const bool is_graph = moving.is_graph(node, workspace);
-      const bool is_graph_in_frame = moving_in_frame.is_graph(node, workspace);
-      graphs += is_graph;
-      graphs_in_frame += is_graph_in_frame;
-      if (!is_graph && !is_graph_in_frame) continue;
+      const bool is_embedded = moving.is_embedded(node, workspace);
+      const bool is_embedded_in_frame = moving_in_frame.is_embedded(node, workspace);
+      passed += is_embedded;
+      passed_in_frame += is_embedded_in_frame;
+      if (!is_embedded && !is_embedded_in_frame) continue;
       const auto range = input.pieces.ranges()[node];
       for (const Pairs& at_one_time : pairs)
         for (const TrianglePair& pair : at_one_time)
           ASSERT_FALSE(range.holds(place[pair.first]) && range.holds(place[pair.second])) << n;
     }
   }
-  EXPECT_GT(graphs, scaled(150));
-  EXPECT_GT(graphs_in_frame, 0.98 * static_cast<double>(graphs));
+  EXPECT_GT(passed, scaled(150));
+  EXPECT_GT(passed_in_frame, 0.98 * static_cast<double>(passed));
 }
 
-// A square turned over within the step: a graph at both ends, and flat against an edge between.
+// A square turned over within the step: embedded at both ends, and flat against an edge between.
 TEST(PlanarEmbeddingTest, SeesWhatHappensBetweenTheEnds) {
   Random random(20);
   const Surface surface = surfaces::sheet(6, 6, random);
   Surface mirrored = surface;
   for (Vec3& x : mirrored.positions) x[0] = 6 - x[0];
   Scene input(surface), end(mirrored);
-  EXPECT_TRUE(input.graphs.is_graph(0, input.workspace));
-  EXPECT_TRUE(end.graphs.is_graph(0, end.workspace));
+  EXPECT_TRUE(input.embedding.is_embedded(0, input.workspace));
+  EXPECT_TRUE(end.embedding.is_embedded(0, end.workspace));
   PlanarEmbeddingTest<2> moving;
   PlanarEmbeddingTest<2>::Workspace workspace;
   moving.place(input.pieces, {input.positions, mirrored.positions});
-  EXPECT_FALSE(moving.is_graph(0, workspace));
+  EXPECT_FALSE(moving.is_embedded(0, workspace));
   // Without a change of shape there is nothing to see.
   for (std::size_t v = 0; v < mirrored.positions.size(); ++v)
     mirrored.positions[v] = input.positions[v] + Vec3(1, 2, 3);
   moving.place(input.pieces, {input.positions, mirrored.positions});
-  EXPECT_TRUE(moving.is_graph(0, workspace));
+  EXPECT_TRUE(moving.is_embedded(0, workspace));
 }
 
 }  // namespace

@@ -138,10 +138,10 @@ TEST_P(Filters, NeighbourRings) {
       expect_kept(
           surface, f,
           [&](Index i, Index j) {
-            int least = 1 << 20;
+            int nearest = 1 << 20;
             for (const Index v : surface.triangles[i])
-              for (const Index w : surface.triangles[j]) least = std::min(least, distances[v][w]);
-            return least > rings;
+              for (const Index w : surface.triangles[j]) nearest = std::min(nearest, distances[v][w]);
+            return nearest > rings;
           },
           "rings");
     }

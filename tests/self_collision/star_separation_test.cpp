@@ -22,12 +22,12 @@ using test::scaled;
 using Positions = std::vector<Vec3>;
 
 /// Trembles, waves and turns; so little that stars are worth measuring, or by however much.
-Positions moved(const Surface& surface, bool is_calm, Random& random) {
+Positions moved(const Surface& surface, bool is_nearly_rigid, Random& random) {
   constexpr double kStrengths[] = {0, 1e-6, 1e-4, 0.001, 0.01, 0.1, 1};
-  const double strength = kStrengths[random.below(is_calm ? 4 : 7)];
+  const double strength = kStrengths[random.below(is_nearly_rigid ? 4 : 7)];
   Positions end = surfaces::jittered(surface, 0.1 * strength, random).positions;
   const Vec3 wave(random.within(-1, 1), random.within(-1, 1), random.within(-1, 1));
-  const double turn = (is_calm ? 0.01 : 1.0) * random.within(-0.3, 0.3);
+  const double turn = (is_nearly_rigid ? 0.01 : 1.0) * random.within(-0.3, 0.3);
   for (Vec3& x : end) {
     x += strength * std::sin(wave.dot(x)) * Vec3(0.3, -0.2, 1);
     x = Vec3(x[0], std::cos(turn) * x[1] - std::sin(turn) * x[2], std::sin(turn) * x[1] + std::cos(turn) * x[2]);
@@ -47,24 +47,24 @@ bool have_common_vertex(const TriangleMesh& mesh, const IndexPair& pair) {
 }
 
 /// Pairs of neighbours that open stars do not list.
-std::set<IndexPair> spared_neighbours(const TriangleMesh& mesh, const StarSeparation& stars) {
+std::set<IndexPair> culled_neighbours(const TriangleMesh& mesh, const StarSeparation& stars) {
   std::vector<IndexPair> listed;
   for (const Index v : stars.open()) stars.append_pairs(v, listed);
   const std::set<IndexPair> open(listed.begin(), listed.end());
   EXPECT_EQ(open.size(), listed.size()) << "a pair is listed twice";
-  std::set<IndexPair> spared;
+  std::set<IndexPair> culled;
   for (Index a = 0; a < mesh.triangle_count(); ++a)
     for (Index b = a + 1; b < mesh.triangle_count(); ++b)
-      if (have_common_vertex(mesh, {a, b}) && open.count({a, b}) + open.count({b, a}) == 0) spared.insert({a, b});
-  return spared;
+      if (have_common_vertex(mesh, {a, b}) && open.count({a, b}) + open.count({b, a}) == 0) culled.insert({a, b});
+  return culled;
 }
 
-class StillStarsOf : public testing::TestWithParam<surfaces::Family> {};
-INSTANTIATE_TEST_SUITE_P(All, StillStarsOf, testing::ValuesIn(surfaces::families()),
+class SeparatedStarsOf : public testing::TestWithParam<surfaces::Family> {};
+INSTANTIATE_TEST_SUITE_P(All, SeparatedStarsOf, testing::ValuesIn(surfaces::families()),
                          [](const auto& family) { return family.param.name; });
 
 // A kept finder knows its stars from the second step on.
-TEST_P(StillStarsOf, ChangeNoAnswer) {
+TEST_P(SeparatedStarsOf, ChangeNoAnswer) {
   Random random(71);
   for (std::int64_t n = 0; n < scaled(8); ++n) {
     Surface surface = GetParam().make(random);
@@ -82,8 +82,8 @@ TEST_P(StillStarsOf, ChangeNoAnswer) {
   }
 }
 
-// What meets during a step is never of two triangles that a star spares.
-TEST_P(StillStarsOf, SpareNothingThatMeets) {
+// What meets during a step is never of two triangles of a separated star.
+TEST_P(SeparatedStarsOf, CullNothingThatMeets) {
   Random random(72);
   for (std::int64_t n = 0; n < scaled(8); ++n) {
     Surface surface = GetParam().make(random);
@@ -92,14 +92,14 @@ TEST_P(StillStarsOf, SpareNothingThatMeets) {
     for (int step = 0; step < 6; ++step) {
       const Positions end = moved(surface, random.below(2) == 0, random);
       stars.place(surface.positions, end);
-      const std::set<IndexPair> spared = spared_neighbours(mesh, stars);
-      const auto is_spared = [&](Index a, Index b) { return spared.contains({std::min(a, b), std::max(a, b)}); };
+      const std::set<IndexPair> culled = culled_neighbours(mesh, stars);
+      const auto is_culled = [&](Index a, Index b) { return culled.contains({std::min(a, b), std::max(a, b)}); };
       const ContinuousPairs pairs = pairs_by_hierarchy(mesh, surface.positions, end);
       for (const VertexFacePair& pair : pairs.vertex_face)
-        for (const Index t : mesh.vertex_triangles(pair.vertex)) ASSERT_FALSE(is_spared(t, pair.face));
+        for (const Index t : mesh.vertex_triangles(pair.vertex)) ASSERT_FALSE(is_culled(t, pair.face));
       for (const EdgeEdgePair& pair : pairs.edge_edge)
         for (const Index t : mesh.edge_triangles(pair.first))
-          for (const Index u : mesh.edge_triangles(pair.second)) ASSERT_FALSE(is_spared(t, u));
+          for (const Index u : mesh.edge_triangles(pair.second)) ASSERT_FALSE(is_culled(t, u));
       surface.positions = end;
     }
   }
@@ -110,7 +110,7 @@ Surface wide_sheet() {
   return surfaces::jittered(surfaces::sheet(20, 20, random), 0.1, random);
 }
 
-TEST(StarSeparation, SpareAKeptFinderMostPairs) {
+TEST(StarSeparation, CullMostPairsOfAKeptFinder) {
   Surface sheet = wide_sheet();
   const TriangleMesh mesh = sheet.mesh();
   ContinuousCollisionFinder finder(mesh, sheet.positions, sheet.positions);
@@ -212,7 +212,7 @@ TEST(StarSeparation, AreNotFooledByAThinTriangle) {
   }
 }
 
-// Two wings that shut like a book, calmly at first.
+// Two wings that shut like a book, slowly at first.
 TEST(StarSeparation, OpenBeforeAFoldShuts) {
   const TriangleMesh mesh(4, {{0, 1, 2}, {1, 0, 3}});
   const auto book = [](double angle) {

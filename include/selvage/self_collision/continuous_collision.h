@@ -21,7 +21,7 @@ struct EdgeEdgePair {
   auto operator<=>(const EdgeEdgePair&) const = default;
 };
 
-/// Everything that meets during a step, each list sorted.
+/// All pairs that meet during a step, each list sorted.
 struct ContinuousPairs {
   std::vector<VertexFacePair> vertex_face;
   std::vector<EdgeEdgePair> edge_edge;
@@ -30,26 +30,28 @@ struct ContinuousPairs {
   bool operator==(const ContinuousPairs&) const = default;
 };
 
-/// What a search did. The same for any number of threads.
+/// Statistics of a search. The same for any number of threads.
 struct ContinuousCounters {
   std::int64_t node_pairs = 0;         ///< pairs of nodes whose children were compared
   std::int64_t self_node_pairs = 0;    ///< those of a node with itself
   std::int64_t box_pairs = 0;          ///< pairs of triangles whose boxes over the step meet
-  std::int64_t vertex_face_boxes = 0;  ///< pairs of a vertex and a face that no box tells apart; each at most once
-  std::int64_t edge_edge_boxes = 0;    ///< pairs of edges that no box tells apart; each at most once
-  std::int64_t tested_nodes = 0;       ///< nodes that culling asked whether they need a comparison with themselves
-  std::int64_t cleared_nodes = 0;      ///< nodes that culling found to need none
-  std::int64_t cleared_triangles = 0;  ///< triangles in them
-  std::int64_t exact_tests = 0;        ///< pairs that single precision could not decide, and that filters keep
+  std::int64_t vertex_face_boxes = 0;  ///< pairs of a vertex and a face that boxes do not separate; each at most once
+  std::int64_t edge_edge_boxes = 0;    ///< pairs of edges that boxes do not separate; each at most once
+  std::int64_t tested_nodes = 0;       ///< nodes that culling tested
+  std::int64_t culled_nodes = 0;       ///< nodes that need no comparison with themselves
+  std::int64_t culled_triangles = 0;   ///< triangles in them
+  std::int64_t exact_tests = 0;        ///< pairs that single precision left undecided, and that filters keep
 
   ContinuousCounters& operator+=(const ContinuousCounters& other);
 };
 
-/// What of a surface meets during a step in which its vertices move on straight lines at constant speed: all pairs of a
-/// vertex and a face and of two edges, each once, decided exactly: no tolerance, no missed pair, no invented pair.
+/// Continuous self-collision of a surface: all pairs of a vertex and a face, and of two edges, that meet during a step
+/// in which vertices move on straight lines at constant speed. Each pair once, decided exactly: no tolerance, no missed
+/// pair, no invented pair.
 ///
-/// Each vertex and each edge is assigned to one of its triangles, so that no pair is looked at twice, however many
-/// pairs of triangles it belongs to (low-level culling, EDC section 6.1). Vertices without a triangle meet nothing.
+/// Each vertex and each edge has one representative triangle, so that no pair is tested twice, however many pairs of
+/// triangles it belongs to (low-level culling: Curtis, Tamstorf, Manocha 2008; EDC section 6.1). Vertices without a
+/// triangle meet nothing.
 /// Thread-safe for concurrent queries; update() and rebuild() need exclusive access.
 class ContinuousCollisionFinder {
  public:
@@ -72,15 +74,15 @@ class ContinuousCollisionFinder {
   void rebuild(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1);
 
   /// All pairs that meet at some time of the step, its ends included; with a thickness also those that come nearer than
-  /// the sum of theirs. Parallel; the same for any number of threads.
-  /// @param counters  null, or where to add what the search did
+  /// the sum of their thickness. Parallel; the same for any number of threads.
+  /// @param counters  null, or statistics to add those of this search to
   ContinuousPairs find_pairs(ContinuousCounters* counters = nullptr) const;
 
   /// Whether there is any pair: stops at the first.
   bool has_pairs(ContinuousCounters* counters = nullptr) const;
 
-  /// Times of first contact, one a pair, as fractions of the step: never later than the true one, at most 1e-6 earlier,
-  /// never below 0; NaN where the pair does not meet, however near it comes.
+  /// Times of first impact, one a pair, as fractions of the step: never later than the true one, at most 1e-6 earlier,
+  /// never below 0; NaN where the pair does not meet, however near it comes. Thickness does not count.
   /// @throws Error  when a vertex, a face or an edge is out of range
   std::vector<double> find_impact_times(std::span<const VertexFacePair> pairs) const;
   std::vector<double> find_impact_times(std::span<const EdgeEdgePair> pairs) const;

@@ -4,7 +4,7 @@
 
 namespace selvage {
 
-/// Which pairs of a surface are not asked for, as data: what is left empty or zero filters nothing and costs nothing.
+/// Filters of the pairs of a surface, as data. A member that is empty or zero filters nothing and costs nothing.
 ///
 /// Labels belong to triangles. A vertex or an edge counts as every triangle that it lies on: a pair of a vertex and a
 /// face, or of two edges, stays when one of its pairs of triangles does.
@@ -12,8 +12,8 @@ struct PairFilters {
   /// (n_triangles) triangles of the same group are no pair; kNone: in no group.
   std::vector<Index> groups;
 
-  /// (n_triangles) bits: the layers that a triangle is on, and those that it looks at. A pair stays when each looks at
-  /// a layer of the other. Without `seen_layers`, when they have a layer in common.
+  /// (n_triangles) bits: the layers that a triangle is on, and those that it collides with. A pair stays when each
+  /// collides with a layer of the other. Without `seen_layers`, when they have a layer in common.
   std::vector<std::uint32_t> layers;
   std::vector<std::uint32_t> seen_layers;
 
@@ -28,7 +28,7 @@ struct PairFilters {
   /// pair.
   int neighbour_rings = 0;
 
-  /// (n_vertices) positions at rest: what is nearer than `rest_distance` there is no pair. [m]
+  /// (n_vertices) positions at rest: triangles, or features, nearer than `rest_distance` there are no pair. [m]
   std::vector<Vec3> rest_positions;
   double rest_distance = 0;
 };

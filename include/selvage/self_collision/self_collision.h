@@ -12,16 +12,16 @@
 
 namespace selvage {
 
-/// How pairs that cannot collide are left out before they are looked at. Those marked as accurate change no answer; see
-/// docs/self_collision_cones.md.
+/// Methods of self-collision culling: whole pieces of surface are left out that cannot collide with themselves. Methods
+/// marked as accurate change no answer; see docs/self_collision_cones.md.
 enum class CullingMethod : std::uint8_t {
-  kBvh,                        ///< accurate: the hierarchy alone, the truth that others are held against
-  kNormalCone,                 ///< accurate: normal cones and contour tests (Volino and Thalmann 1994, Provot 1997)
+  kBvh,                        ///< accurate: the hierarchy alone, no culling; what the other methods are compared with
+  kNormalCone,                 ///< accurate: normal cone test (Volino, Magnenat-Thalmann 1994; Provot 1997)
   kDualCone,                   ///< FASTCD (Heo and others 2010) as published, without internal edges: misses pairs
   kDualConeInternal,           ///< the same with internal edges: may miss pairs
-  kEnhancedDualCone,           ///< accurate: EDC (Wang and others 2018) with conditions that suffice
+  kEnhancedDualCone,           ///< accurate: EDC (Wang and others 2018), with sufficient conditions
   kEnhancedDualConePublished,  ///< EDC as published: misses pairs
-  kAuto,                       ///< accurate: the fastest
+  kAuto,                       ///< accurate: planar embedding test, no cones; the fastest
 };
 
 /// The names of the methods, in the order of their numbers.
@@ -31,31 +31,31 @@ std::span<const std::string_view> culling_method_names();
 /// @throws Error  when there is none; it lists those that there are
 CullingMethod culling_method(std::string_view name);
 
-/// What is asked of a surface.
+/// Options of self-collision queries.
 struct SelfCollisionOptions {
   CullingMethod method = CullingMethod::kAuto;
 
-  /// For kEnhancedDualConePublished, to compare: leave out nodes that pass all of its tests, but not what single tests
-  /// have cleared in others (EDC, algorithm 3 and Fig. 13).
+  /// For kEnhancedDualConePublished, to compare: cull only nodes that pass all tests (the simple traversal of EDC's
+  /// Fig. 13), not also what single tests record (its algorithm 3).
   bool simple_traversal = false;
 
   /// Also pairs of triangles that share a vertex or an edge and meet anywhere else, or share all their vertices. For
   /// discrete queries; continuous ones have no such pairs.
   bool include_adjacent = false;
 
-  /// The surface is asked about one pose or step, not about many: spend less on the hierarchy, and more on the search.
+  /// The finder serves one pose or step, not many: spend less time on building the hierarchy, and more on the search.
   bool asked_once = false;
 
   PairFilters filters;
 
-  /// (n_vertices) thickness of the surface at each vertex [m]; empty: none. That of a triangle or an edge is its
-  /// vertices' largest. Pairs count that are nearer than the sum of theirs, which is decided up to rounding in the
-  /// distance; during a step those that come nearer at some time, and perhaps some that come within 2^-20 (below 1e-6)
-  /// of the sum beyond it. Not for pairs that share a vertex.
+  /// (n_vertices) thickness of the surface at each vertex [m]; empty: none. That of a triangle or an edge is the
+  /// largest of its vertices. Pairs count that are nearer than the sum of their thickness, decided up to rounding in
+  /// the distance. During a step those count that come nearer at some time, and perhaps some whose distance stays up to
+  /// 2^-20 (below 1e-6) of the sum above it. Not for pairs that share a vertex.
   std::vector<double> thickness;
 
-  /// Called now and then while a query runs that looks for pairs, segments or times of impact, with the share of it
-  /// that is done: never less than before, 1 at the end. By one thread at a time, any of those that search; must not
+  /// Progress: called now and then during a query for pairs, segments or times of impact, with the share that is done.
+  /// The share never decreases, and is 1 at the end. One thread at a time calls, any of those that search. Must not
   /// throw.
   std::function<void(double share)> on_progress{};
 };
@@ -69,27 +69,27 @@ struct TrianglePair {
   auto operator<=>(const TrianglePair&) const = default;
 };
 
-/// The common points of two triangles that touch or cross: a segment, of equal ends where it is a point. Nothing where
+/// The common points of two triangles that touch or cross: a segment, of equal ends where it is a point. Empty where
 /// they overlap in one plane or do not meet (see intersection_segment()).
 using CommonSegment = std::optional<std::array<Vec3, 2>>;
 
-/// What a search did. The same for any number of threads.
+/// Statistics of a search. The same for any number of threads.
 struct SelfCollisionCounters {
-  std::int64_t node_pairs = 0;         ///< pairs of nodes whose children were compared
-  std::int64_t self_node_pairs = 0;    ///< those of a node with itself
-  std::int64_t box_pairs = 0;          ///< pairs of triangles whose boxes meet
-  std::int64_t adjacent_pairs = 0;     ///< those that share a vertex
-  std::int64_t tested_nodes = 0;       ///< nodes that culling asked whether they need a comparison with themselves
-  std::int64_t cleared_nodes = 0;      ///< nodes that culling found to need none
-  std::int64_t cleared_triangles = 0;  ///< triangles in them
-  std::int64_t exact_tests = 0;        ///< pairs that single precision could not decide, and that filters keep
+  std::int64_t node_pairs = 0;        ///< pairs of nodes whose children were compared
+  std::int64_t self_node_pairs = 0;   ///< those of a node with itself
+  std::int64_t box_pairs = 0;         ///< pairs of triangles whose boxes meet
+  std::int64_t adjacent_pairs = 0;    ///< those that share a vertex
+  std::int64_t tested_nodes = 0;      ///< nodes that culling tested
+  std::int64_t culled_nodes = 0;      ///< nodes that need no comparison with themselves
+  std::int64_t culled_triangles = 0;  ///< triangles in them
+  std::int64_t exact_tests = 0;       ///< pairs that single precision left undecided, and that filters keep
 
   SelfCollisionCounters& operator+=(const SelfCollisionCounters& other);
 };
 
-/// Which triangles of a surface meet: all pairs, each once, decided exactly.
+/// Discrete self-collision of a surface: all pairs of triangles that meet, each once, decided exactly.
 ///
-/// Holds the hierarchy of one surface; positions are handed in with every new pose and copied. Any surface is legal:
+/// Holds the hierarchy of one surface. Positions are given with every new pose and copied. Any surface is legal:
 /// open, closed, of several components, non-manifold, with degenerate triangles or several in one place.
 /// Thread-safe for concurrent queries; update() and rebuild() need exclusive access.
 class SelfCollisionFinder {
@@ -109,9 +109,9 @@ class SelfCollisionFinder {
   /// Takes a new pose and builds the hierarchy anew.
   void rebuild(std::span<const Vec3> positions);
 
-  /// All pairs of triangles that meet; sorted. Triangles that share a vertex are no pair unless options say so.
+  /// All pairs of triangles that meet; sorted. Triangles that share a vertex count only with `include_adjacent`.
   /// Parallel; the same for any number of threads.
-  /// @param counters  null, or where to add what the search did
+  /// @param counters  null, or statistics to add those of this search to
   std::vector<TrianglePair> find_pairs(SelfCollisionCounters* counters = nullptr) const;
 
   /// Whether there is any pair: stops at the first.
@@ -128,8 +128,8 @@ class SelfCollisionFinder {
   std::vector<TrianglePair> find_pairs_with(const SelfCollisionFinder& other,
                                             SelfCollisionCounters* counters = nullptr) const;
 
-  /// What the triangles of pairs have in common, one answer a pair; of triangles that share a vertex or an edge, this
-  /// included. Whether there is a segment, and whether it is a point, is exact; its ends are rounded.
+  /// The common points of the triangles of each pair, one answer a pair; a shared vertex or edge is included. Whether
+  /// there is a segment, and whether it is a point, is exact; its ends are rounded.
   /// @throws Error  when a triangle is out of range
   std::vector<CommonSegment> find_segments(std::span<const TrianglePair> pairs) const;
 

@@ -101,8 +101,8 @@ Json statistics_json(const CollisionReport& report, const SelfCollisionCounters&
           {"box_pairs", c.box_pairs},
           {"adjacent_pairs", c.adjacent_pairs},
           {"tested_nodes", c.tested_nodes},
-          {"cleared_nodes", c.cleared_nodes},
-          {"cleared_triangles", c.cleared_triangles},
+          {"cleared_nodes", c.culled_nodes},
+          {"cleared_triangles", c.culled_triangles},
           {"exact_tests", c.exact_tests}};
 }
 
@@ -115,8 +115,8 @@ Json statistics_json(const CollisionReport& report, const ContinuousCounters& c)
           {"vertex_face_boxes", c.vertex_face_boxes},
           {"edge_edge_boxes", c.edge_edge_boxes},
           {"tested_nodes", c.tested_nodes},
-          {"cleared_nodes", c.cleared_nodes},
-          {"cleared_triangles", c.cleared_triangles},
+          {"cleared_nodes", c.culled_nodes},
+          {"cleared_triangles", c.culled_triangles},
           {"exact_tests", c.exact_tests}};
 }
 

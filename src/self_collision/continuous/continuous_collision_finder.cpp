@@ -19,18 +19,18 @@ namespace selvage {
 
 namespace {
 
-/// Gives every vertex and every edge to the first of its triangles.
-UnsetVector<MovingTriangle> assign_features(const TriangleMesh& mesh) {
+/// Makes the first triangle of every vertex and every edge its representative.
+UnsetVector<MovingTriangle> assign_representatives(const TriangleMesh& mesh) {
   UnsetVector<MovingTriangle> triangles(mesh.triangle_count());
   parallel_for(mesh.triangle_count(), kGrain, [&](std::int64_t t) {
     MovingTriangle& triangle = triangles[t];
     triangle = {mesh.triangles()[t], 0};
     for (int i = 0; i < 3; ++i) {
-      triangle.owned |= (mesh.vertex_triangles(triangle.vertices[i]).front() == t) << i;
+      triangle.represented |= (mesh.vertex_triangles(triangle.vertices[i]).front() == t) << i;
       const Index across = mesh.neighbours()[t][i];
       const bool is_first =
           across == kNone ? mesh.edge_triangles(mesh.triangle_edges()[t][i]).front() == t : t < across / 4;
-      triangle.owned |= is_first << (3 + i);
+      triangle.represented |= is_first << (3 + i);
     }
   });
   return triangles;
@@ -63,7 +63,7 @@ std::optional<double> impact_of(const ContinuousInput& input, const EdgeEdgePair
   return edge_edge_impact(moving_edges(input, pair.first, pair.second), before);
 }
 
-/// Calls `ask(i)` for each of so many pairs, in parallel.
+/// Calls `ask(i)` for each of `count` pairs, in parallel.
 template <typename Ask>
 void ask_pairs(std::int64_t count, SearchProgress& progress, Ask&& ask) {
   constexpr std::int64_t kAtOnce = 64;
@@ -82,7 +82,7 @@ std::vector<double> impact_times(const ContinuousInput& input, std::span<const P
   return times;
 }
 
-/// Lowers `earliest` to the first impact of any of the pairs, each asked only about the time before what is known.
+/// Lowers `earliest` to the first impact of any of the pairs; each is searched only up to the earliest so far.
 template <typename Pair>
 void find_earliest(const ContinuousInput& input, std::span<const Pair> pairs, SearchProgress& progress,
                    std::atomic<double>& earliest) {
@@ -103,16 +103,16 @@ ContinuousCounters& ContinuousCounters::operator+=(const ContinuousCounters& oth
   vertex_face_boxes += other.vertex_face_boxes;
   edge_edge_boxes += other.edge_edge_boxes;
   tested_nodes += other.tested_nodes;
-  cleared_nodes += other.cleared_nodes;
-  cleared_triangles += other.cleared_triangles;
+  culled_nodes += other.culled_nodes;
+  culled_triangles += other.culled_triangles;
   exact_tests += other.exact_tests;
   return *this;
 }
 
 struct ContinuousCollisionFinder::State {
-  /// One in so many stars may be measured in a step for them to pay.
-  static constexpr std::int64_t kDearShare = 4;
-  /// Where they do not, ever fewer steps try again: every 2^kMaxFailures-th.
+  /// Stars pay where at most one in so many is measured in a step.
+  static constexpr std::int64_t kMaxMeasuredShare = 4;
+  /// Where they do not pay, ever fewer steps try again, at last every 2^kMaxFailures-th.
   static constexpr int kMaxFailures = 6;
 
   const TriangleMesh& mesh;
@@ -122,11 +122,11 @@ struct ContinuousCollisionFinder::State {
   SweptSurface pose;
   Bvh bvh;
   SurfacePieces pieces;
-  PlanarEmbeddingTest<2> graph_test;
-  CulledPairs spared;
-  std::optional<StarSeparation> stars;  ///< from the second step on: for one they do not pay
+  PlanarEmbeddingTest<2> embedding_test;
+  CulledPairs culled;
+  std::optional<StarSeparation> stars;  ///< from the second step on: they do not pay for one
   bool is_watching = false;             ///< stars know about this step
-  bool trusts_stars = false;            ///< the surface is calm
+  bool trusts_stars = false;            ///< most stars keep their shape
   int failures = 0, steps_without_stars = 0;
   std::vector<LeafVertices> leaves;  ///< where stars have been trusted once
   std::vector<NeighbourPair> neighbours;
@@ -136,7 +136,7 @@ struct ContinuousCollisionFinder::State {
       : mesh(m),
         options(std::move(o)),
         filter(PairFilter::where_needed(m, options.filters)),
-        triangles(assign_features(m)) {
+        triangles(assign_representatives(m)) {
     check_thickness(mesh, options.thickness);
     rebuild(positions_t0, positions_t1);
   }
@@ -159,12 +159,12 @@ struct ContinuousCollisionFinder::State {
     neighbours = list_neighbours(bvh, leaves);
   }
 
-  /// Culling knows where nothing meets, not how near it is.
+  /// Culling says that features do not meet, not how near they are.
   bool is_culling() const { return options.method != CullingMethod::kBvh && options.thickness.empty(); }
 
   void cull() {
     if (!is_culling()) return;
-    spared = cull_self_pairs<2>(options, bvh, pieces, {pose.positions_t0(), pose.positions_t1()}, graph_test,
+    culled = cull_self_pairs<2>(options, bvh, pieces, {pose.positions_t0(), pose.positions_t1()}, embedding_test,
                                 pose.rounded(), trusts_stars);
   }
 
@@ -176,25 +176,25 @@ struct ContinuousCollisionFinder::State {
     watch_stars();
   }
 
-  /// Like culling, stars know where nothing meets. They pay where the surface keeps its shape for some steps, and where
-  /// culling has not already cleared most of it.
+  /// Like culling, separated stars need no comparison. They pay where the surface keeps its shape for some steps, and
+  /// where culling has not left out most of it.
   void watch_stars() {
     is_watching = false;
     if (options.method != CullingMethod::kAuto || !is_culling()) return;
-    if (2 * spared.counters.cleared_triangles > mesh.triangle_count()) return;
+    if (2 * culled.counters.culled_triangles > mesh.triangle_count()) return;
     if (steps_without_stars > 0) {
       --steps_without_stars;
       return;
     }
     if (!stars) stars.emplace(mesh);
     const bool was_trusting = trusts_stars;
-    trusts_stars = trusts_stars || stars->are_calm(pose.positions_t0(), pose.positions_t1());
+    trusts_stars = trusts_stars || stars->are_nearly_rigid(pose.positions_t0(), pose.positions_t1());
     if (trusts_stars) {
       if (neighbours.empty()) list_neighbours_of_leaves();
       stars->place(pose.positions_t0(), pose.positions_t1());
       is_watching = true;
       if (!was_trusting) return;
-      if (kDearShare * stars->measured_count() <= stars->count()) {
+      if (kMaxMeasuredShare * stars->measured_count() <= stars->count()) {
         failures = 0;
         return;
       }
@@ -222,20 +222,20 @@ struct ContinuousCollisionFinder::State {
             options.thickness.empty() ? nullptr : pose.thickness().data(),
             options.thickness.empty() ? nullptr : options.thickness.data(),
             filter ? &*filter : nullptr,
-            spared.nodes(),
+            culled.nodes(),
             leaves.data(),
             neighbours};
   }
 
   ContinuousPairs search(std::atomic<bool>* stop, ContinuousCounters* counters) const {
-    if (counters != nullptr) spared.counters.add_to(*counters);
+    if (counters != nullptr) culled.counters.add_to(*counters);
     return is_watching ? search_beside_stars(stop, counters) : search_all(stop, counters);
   }
 
   ContinuousPairs search_all(std::atomic<bool>* stop, ContinuousCounters* counters) const {
     const ContinuousInput searched = input();
     const PairWork work = split_self_pair_work(
-        bvh, piece_count(bvh), [&](NodePair pair) { return !searched.spared.do_hold(bvh.nodes().data(), pair); });
+        bvh, piece_count(bvh), [&](NodePair pair) { return !searched.culled.holds(bvh.nodes().data(), pair); });
     std::vector<ContinuousResult> results(work.pieces.size() + 1);
     results.back().counters.node_pairs = work.compared;
     results.back().counters.self_node_pairs = work.compared_selves;
@@ -253,7 +253,7 @@ struct ContinuousCollisionFinder::State {
   ContinuousPairs search_beside_stars(std::atomic<bool>* stop, ContinuousCounters* counters) const {
     constexpr std::int64_t kStarsAtOnce = 64;
     const ContinuousInput searched = input();
-    SelfWork work = split_self_work(bvh, neighbours, searched.spared, piece_count(bvh));
+    SelfWork work = split_self_work(bvh, neighbours, searched.culled, piece_count(bvh));
     std::erase_if(work.found, [&](const IndexPair& pair) { return do_share_vertex(pair); });
     const std::span<const Index> open = stars->open();
     const std::int64_t cut = std::ssize(work.pieces);
@@ -267,8 +267,8 @@ struct ContinuousCollisionFinder::State {
     parallel_ranges(cut + run_count, 1, [&](std::int64_t first, std::int64_t last) {
       const std::int64_t pieces_end = std::clamp(cut, first, last);
       if (first < pieces_end)
-        SELVAGE_DISPATCH(find_meeting_strangers, searched, std::span(work.pieces).subspan(first, pieces_end - first),
-                         results[first]);
+        SELVAGE_DISPATCH(find_nonadjacent_collisions, searched,
+                         std::span(work.pieces).subspan(first, pieces_end - first), results[first]);
       std::vector<IndexPair> pairs;
       for (std::int64_t run = pieces_end; run < last; ++run)
         for (std::int64_t i = kStarsAtOnce * (run - cut);

@@ -25,7 +25,7 @@ SELVAGE_INLINE bool do_share_vertex(const MovingTriangle& a, const MovingTriangl
 /// Eight pairs of triangles, feature by feature.
 struct TriangleFeatures {
   alignas(32) Index vertices[6][EightPairs::kSize];  ///< corners of the first ones, then of the second ones
-  Float8 owned[2];                                   ///< bits of what the first and the second ones own
+  Float8 represented[2];                             ///< see MovingTriangle
 
   SELVAGE_INLINE TriangleFeatures(const ContinuousInput& input, const EightPairs& pairs) {
     for (const int side : {0, 1}) {
@@ -35,11 +35,11 @@ struct TriangleFeatures {
         rows[i] = Float8::join(row_of(input.triangles[triangles[i]]), row_of(input.triangles[triangles[i + 4]]));
       transpose(rows[0], rows[1], rows[2], rows[3]);
       for (int k = 0; k < 3; ++k) rows[k].store(reinterpret_cast<float*>(vertices[3 * side + k]));
-      owned[side] = rows[3];
+      represented[side] = rows[3];
     }
   }
-  SELVAGE_INLINE unsigned owned_vertex(int side, int k) const { return lanes_with(owned[side], 1 << k); }
-  SELVAGE_INLINE unsigned owned_edge(int side, int k) const { return lanes_with(owned[side], 8 << k); }
+  SELVAGE_INLINE unsigned represented_vertex(int side, int k) const { return lanes_with(represented[side], 1 << k); }
+  SELVAGE_INLINE unsigned represented_edge(int side, int k) const { return lanes_with(represented[side], 8 << k); }
 
   /// Lanes in which corner i of the first and corner j of the second are one vertex.
   SELVAGE_INLINE unsigned same_corner(int i, int j) const {
@@ -53,8 +53,8 @@ struct TriangleFeatures {
   }
 };
 
-/// Pairs of triangles whose boxes meet, looked at eight at once: first both as a whole, unless they have a vertex in
-/// common, then of what they own each with what the other has.
+/// Pairs of triangles whose boxes meet, tested eight at once: first both triangles as a whole, unless they have a
+/// vertex in common; then the pairs of features whose representative triangles they are.
 class TriangleBatch {
  public:
   TriangleBatch(const ContinuousInput& input, ContinuousResult& result)
@@ -96,10 +96,10 @@ class TriangleBatch {
       for (int j = 0; j < 3; ++j) same[i][j] = features.same_corner(i, j);
     unsigned vertex_face[2][3], edge_edge[3][3];
     for (int i = 0; i < 3; ++i) {
-      vertex_face[0][i] = lanes & features.owned_vertex(0, i) & ~(same[i][0] | same[i][1] | same[i][2]);
-      vertex_face[1][i] = lanes & features.owned_vertex(1, i) & ~(same[0][i] | same[1][i] | same[2][i]);
+      vertex_face[0][i] = lanes & features.represented_vertex(0, i) & ~(same[i][0] | same[i][1] | same[i][2]);
+      vertex_face[1][i] = lanes & features.represented_vertex(1, i) & ~(same[0][i] | same[1][i] | same[2][i]);
       for (int j = 0; j < 3; ++j) {
-        edge_edge[i][j] = lanes & features.owned_edge(0, i) & features.owned_edge(1, j);
+        edge_edge[i][j] = lanes & features.represented_edge(0, i) & features.represented_edge(1, j);
         for (int k = 1; k < 3; ++k)
           for (int l = 1; l < 3; ++l) edge_edge[i][j] &= ~same[(i + k) % 3][(j + l) % 3];
       }
@@ -158,7 +158,7 @@ class TriangleBatch {
   FeatureBatch<2> edge_edge_;
 };
 
-/// One piece of a search: the hierarchy decides which triangles are looked at.
+/// One piece of a search: the hierarchy decides which triangles are tested.
 class Search {
  public:
   Search(const ContinuousInput& input, ContinuousResult& result)
@@ -180,7 +180,7 @@ class Search {
     if (piece.is_listed())
       search_listed(piece.first, piece.last);
     else
-      search_strangers(piece.pair, piece.may_share);
+      search_nonadjacent(piece.pair, piece.may_share);
   }
 
   void flush() { triangles_.flush(); }
@@ -192,7 +192,7 @@ class Search {
   }
 
  private:
-  void search_strangers(NodePair start, bool may_share) {
+  void search_nonadjacent(NodePair start, bool may_share) {
     traversal::visit_meeting<true>(
         input_.nodes, input_.nodes, start, [&](NodePair pair) { return enter(pair); },
         [&](const PrimitivePairs& pairs) {
@@ -203,12 +203,12 @@ class Search {
         });
   }
 
-  /// Neighbours, one after the other as they are listed, and all that is met below them.
+  /// Listed neighbours one after the other, and all pairs that are met below them.
   void search_listed(Index first, Index last) {
     for (Index place = first; place < last; ++place) {
       const NeighbourPair& listed = input_.neighbours[place];
       if (listed.neighbours == NeighbourPair::kUnlisted)
-        search_strangers(listed.pair, true);
+        search_nonadjacent(listed.pair, true);
       else if (enter(listed.pair))
         compare_listed(listed);
       else
@@ -219,11 +219,11 @@ class Search {
   SELVAGE_INLINE void compare_listed(const NeighbourPair& listed) {
     const NodePair pair = listed.pair;
     const BvhNode &a = input_.nodes[pair.a], &b = input_.nodes[pair.b];
-    std::uint64_t strangers = traversal::meeting_children(a, b) & ~listed.neighbours;
-    if (pair.a == pair.b) strangers &= traversal::kAboveDiagonal;
-    if (strangers == 0) return;
+    std::uint64_t nonadjacent = traversal::meeting_children(a, b) & ~listed.neighbours;
+    if (pair.a == pair.b) nonadjacent &= traversal::kAboveDiagonal;
+    if (nonadjacent == 0) return;
     traversal::hand_on_children(
-        a, b, pair, strangers, [&](NodePair next) { search_strangers(next, false); },
+        a, b, pair, nonadjacent, [&](NodePair next) { search_nonadjacent(next, false); },
         [&](const PrimitivePairs& pairs) { take(pairs); });
   }
 
@@ -233,10 +233,10 @@ class Search {
                           [&](Index first, Index second) { triangles_.add(first, second); });
   }
 
-  /// The one place where a pair of nodes is left out although their boxes meet.
+  /// Culling: the one place where a pair of nodes is left out although their boxes meet.
   SELVAGE_INLINE bool enter(NodePair pair) {
     if (result_.stop != nullptr && result_.stop->load(std::memory_order_relaxed)) return false;
-    if (input_.spared.do_hold(input_.nodes.data(), pair)) return false;
+    if (input_.culled.holds(input_.nodes.data(), pair)) return false;
     ++result_.counters.node_pairs;
     result_.counters.self_node_pairs += pair.a == pair.b;
     return true;
@@ -253,7 +253,8 @@ void find_continuous_collisions(const ContinuousInput& input, NodePair start, Co
   Search(input, result).run(start);
 }
 
-void find_meeting_strangers(const ContinuousInput& input, std::span<const SelfPiece> pieces, ContinuousResult& result) {
+void find_nonadjacent_collisions(const ContinuousInput& input, std::span<const SelfPiece> pieces,
+                                 ContinuousResult& result) {
   Search search(input, result);
   for (const SelfPiece& piece : pieces) search.run(piece);
   search.flush();

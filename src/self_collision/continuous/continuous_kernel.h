@@ -5,11 +5,11 @@
 
 namespace selvage {
 
-// Finds what meets of the triangles below a pair of nodes; of those in pieces of a list of neighbours that share no
-// vertex; and of listed pairs of triangles.
-#define SELVAGE_CONTINUOUS_KERNEL                                                                     \
-  void find_continuous_collisions(const ContinuousInput&, NodePair start, ContinuousResult&);         \
-  void find_meeting_strangers(const ContinuousInput&, std::span<const SelfPiece>, ContinuousResult&); \
+// Finds the pairs of features that meet: of all triangles below a pair of nodes; of nonadjacent triangles (without a
+// common vertex) in pieces of a list of neighbours; of listed pairs of triangles.
+#define SELVAGE_CONTINUOUS_KERNEL                                                                          \
+  void find_continuous_collisions(const ContinuousInput&, NodePair start, ContinuousResult&);              \
+  void find_nonadjacent_collisions(const ContinuousInput&, std::span<const SelfPiece>, ContinuousResult&); \
   void test_listed_pairs(const ContinuousInput&, std::span<const IndexPair>, ContinuousResult&);
 namespace baseline {
 SELVAGE_CONTINUOUS_KERNEL
@@ -22,7 +22,8 @@ SELVAGE_CONTINUOUS_KERNEL
 }
 #undef SELVAGE_CONTINUOUS_KERNEL
 
-/// Decide a pair exactly, unless it is known to meet, and note it where it counts. Compiled once, for every x86-64.
+/// Decide a pair exactly, unless it is known to meet, and record it where it meets and the filters keep it. Compiled
+/// once, for every x86-64.
 void decide_vertex_face(const ContinuousInput& input, Index vertex, Index face, bool do_meet, ContinuousResult& result);
 void decide_edge_edge(const ContinuousInput& input, Index first, Index second, bool do_meet, ContinuousResult& result);
 

@@ -13,8 +13,8 @@ struct FeaturePair {
   std::array<Index, 4> vertices;
 };
 
-/// Pairs that the whole step leaves open, looked at over its halves, their halves and so on: eight parts at once, of
-/// whatever pairs. What is still open in the shortest parts is decided exactly.
+/// Pairs that the test over the whole step leaves undecided, tested over its halves, their halves and so on: eight
+/// parts of time at once, of any pairs. Pairs that the shortest parts leave undecided are decided exactly.
 template <int kFirst>
 class PartBatch {
  public:
@@ -40,8 +40,8 @@ class PartBatch {
 
   struct OpenPair {
     FeaturePair pair;
-    int waiting;  ///< parts to be looked at
-    bool do_meet, is_left_open;
+    int waiting;  ///< parts to be tested
+    bool do_meet, is_undecided;
   };
   struct Part {
     std::uint8_t pair;
@@ -86,7 +86,7 @@ class PartBatch {
       else if (!is_apart && parts[i].to - parts[i].from > kShortest)
         push_halves(parts[i]);
       else if (!is_apart)
-        pair.is_left_open = true;
+        pair.is_undecided = true;
       finish_part(parts[i].pair);
     }
   }
@@ -95,7 +95,7 @@ class PartBatch {
     OpenPair& open = pairs_[place];
     if (--open.waiting > 0) return;
     free_[free_count_++] = place;
-    if (!open.do_meet && !open.is_left_open) return;
+    if (!open.do_meet && !open.is_undecided) return;
     if constexpr (kFirst == 1)
       decide_vertex_face(input_, open.pair.first, open.pair.second, open.do_meet, result_);
     else
@@ -110,7 +110,7 @@ class PartBatch {
   int free_count_ = kMaxPairs, part_count_ = 0;
 };
 
-/// Pairs that boxes do not tell apart, looked at eight at once over the whole step, then over its parts.
+/// Pairs that boxes do not separate, tested eight at once over the whole step, then over its parts.
 template <int kFirst>
 class FeatureBatch {
  public:

@@ -18,7 +18,7 @@ namespace {
 constexpr std::int64_t kStarGrain = 256;
 /// Vertices with more triangles make too many pairs to be measured.
 constexpr std::size_t kMaxTriangles = 24;
-/// A triangle with a smaller sine of an angle has no star measured: how far it is from others would be known too badly.
+/// No star is measured that has a triangle with a smaller sine of an angle: distances would be too inexact.
 constexpr double kMinSine = 1e-3;
 /// Sizes of a star in metres between which squares, and products of two of them, keep their digits.
 constexpr double kMinSize = 1e-60, kMaxSize = 1e60;
@@ -27,11 +27,11 @@ constexpr double kOrthonormal = 1e-8;
 /// Part of a star's size that a distance may be wrong by, and more: it is computed in doubles, where sines are at least
 /// kMinSine and edges may be nearly parallel.
 constexpr double kSlack = 1e-6;
-/// Of a star that does not become still, ever fewer steps measure it again: every 2^kMaxPatience-th.
+/// A star that changes its shape is measured ever less often, at last in every 2^kMaxPatience-th step.
 constexpr int kMaxPatience = 6;
-/// Stars asked whether all are calm, and in how many steps like the present one a calm one would use up its reach.
+/// Sampled stars, and the number of steps like the present one in which a nearly rigid star uses up its reach.
 constexpr std::int64_t kSampledStars = 64;
-constexpr double kCalmSteps = 8;
+constexpr double kRigidSteps = 8;
 
 using Frame = Eigen::Matrix3d;
 
@@ -91,14 +91,14 @@ StarSeparation::StarSeparation(const TriangleMesh& mesh)
   turned_.resize(around_.size());
 }
 
-/// The least distance of what shares no vertex, less what it may be wrong by; 0 where that is not known.
+/// The smallest distance between features that share no vertex, less a bound of its error; 0 where that is not known.
 double StarSeparation::separation(Index vertex, std::span<const Vec3> positions) const {
   const auto triangles = mesh_.vertex_triangles(vertex);
   const auto others = around(vertex);
   if (triangles.size() > kMaxTriangles) return 0;
   // As seen from the middle: differences of doubles that are near each other lose nothing, wherever the star lies.
   const auto place = [&](Index w) -> Vec3 { return positions[w] - positions[vertex]; };
-  double size = 0, least = std::numeric_limits<double>::infinity();
+  double size = 0, smallest = std::numeric_limits<double>::infinity();
   for (const Index w : others) size = std::max(size, place(w).norm());
   if (!(size > kMinSize && size < kMaxSize)) return 0;
   for (const Index t : triangles)
@@ -109,16 +109,16 @@ double StarSeparation::separation(Index vertex, std::span<const Vec3> positions)
     for (const Index w : others) {
       if (w == rim[0] || w == rim[1]) continue;
       const Vec3 apex = place(w), nearest = closest_point_on_triangle(apex, Vec3::Zero(), edge[0], edge[1]).point;
-      least = std::min(least, (nearest - apex).squaredNorm());
-      least = std::min(least, squared_distance(edge, std::array<Vec3, 2>{Vec3::Zero(), apex}));
+      smallest = std::min(smallest, (nearest - apex).squaredNorm());
+      smallest = std::min(smallest, squared_distance(edge, std::array<Vec3, 2>{Vec3::Zero(), apex}));
     }
     for (const Index u : triangles) {
       const auto& other = opposite(mesh_.triangles()[u], vertex);
       if (u <= t || rim[0] == other[0] || rim[0] == other[1] || rim[1] == other[0] || rim[1] == other[1]) continue;
-      least = std::min(least, squared_distance(edge, std::array<Vec3, 2>{place(other[0]), place(other[1])}));
+      smallest = std::min(smallest, squared_distance(edge, std::array<Vec3, 2>{place(other[0]), place(other[1])}));
     }
   }
-  return std::max(0.0, std::sqrt(least) - kSlack * size);
+  return std::max(0.0, std::sqrt(smallest) - kSlack * size);
 }
 
 void StarSeparation::measure(Index vertex, std::span<const Vec3> positions) {
@@ -196,9 +196,9 @@ void StarSeparation::place(std::span<const Vec3> positions_t0, std::span<const V
     if (is_open_[v] != 0) open_.push_back(v);
 }
 
-bool StarSeparation::is_calm(Index vertex, std::span<const Vec3> positions_t0,
-                             std::span<const Vec3> positions_t1) const {
-  const double reach = 0.5 * separation(vertex, positions_t0) / kCalmSteps;
+bool StarSeparation::is_nearly_rigid(Index vertex, std::span<const Vec3> positions_t0,
+                                     std::span<const Vec3> positions_t1) const {
+  const double reach = 0.5 * separation(vertex, positions_t0) / kRigidSteps;
   const auto others = around(vertex);
   return std::all_of(others.begin(), others.end(), [&](Index w) {
     const Vec3 change = (positions_t1[w] - positions_t1[vertex]) - (positions_t0[w] - positions_t0[vertex]);
@@ -206,11 +206,12 @@ bool StarSeparation::is_calm(Index vertex, std::span<const Vec3> positions_t0,
   });
 }
 
-bool StarSeparation::are_calm(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) const {
+bool StarSeparation::are_nearly_rigid(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) const {
   const std::int64_t asked = std::min(kSampledStars, count());
-  std::int64_t calm = 0;
-  for (std::int64_t i = 0; i < asked; ++i) calm += is_calm(middles_[i * count() / asked], positions_t0, positions_t1);
-  return 4 * calm >= 3 * asked;
+  std::int64_t rigid = 0;
+  for (std::int64_t i = 0; i < asked; ++i)
+    rigid += is_nearly_rigid(middles_[i * count() / asked], positions_t0, positions_t1);
+  return 4 * rigid >= 3 * asked;
 }
 
 void StarSeparation::append_pairs(Index vertex, std::vector<IndexPair>& pairs) const {

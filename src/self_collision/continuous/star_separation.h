@@ -5,20 +5,20 @@
 
 namespace selvage {
 
-/// Stars of a moving surface, each all triangles around a vertex, that are known to hold no two triangles which meet
-/// during a step but in their common vertices.
+/// Separated stars of a moving surface. A star is all triangles around a vertex, its middle. It is separated during a
+/// step when no two of its triangles meet but in their common vertices.
 ///
-/// A star is measured once: how far apart the features of its triangles are that share no vertex, and where its
-/// vertices lie as seen from its middle. As long as none of them has moved by half that distance, however the star
-/// as a whole was moved and turned, no two of its triangles can have met. See docs/contact.md.
+/// A star is measured once: the smallest distance between features of its triangles that share no vertex, and the
+/// positions of its vertices relative to the middle. The star is separated as long as no vertex has moved by half that
+/// distance, up to a motion of the star as a rigid body. See docs/contact.md.
 class StarSeparation {
  public:
   /// @param mesh  must outlive this
   explicit StarSeparation(const TriangleMesh& mesh);
 
-  /// Whether most of a few stars change so little in a step that what is measured will last for several: measuring
+  /// Whether most stars of a sample change so little in a step that a measurement will last for several: measuring
   /// costs about as much as comparing the triangles three times.
-  bool are_calm(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) const;
+  bool are_nearly_rigid(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) const;
 
   /// Takes a step, and measures stars again that have changed their shape. O(n), parallel; deterministic.
   void place(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1);
@@ -36,7 +36,7 @@ class StarSeparation {
   std::int64_t measured_count() const { return measured_count_; }
 
  private:
-  /// What is known of a star.
+  /// The state of a star.
   struct Star {
     double reach = 0;           ///< how far a vertex may move as seen from the middle [m]; 0: not known
     std::uint8_t waiting = 0;   ///< steps before it is measured again
@@ -48,7 +48,7 @@ class StarSeparation {
   double separation(Index vertex, std::span<const Vec3> positions) const;
   bool stays_near_turned(Index vertex, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) const;
   bool is_within_reach(Index vertex, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1);
-  bool is_calm(Index vertex, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) const;
+  bool is_nearly_rigid(Index vertex, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) const;
 
   std::span<const Index> around(Index vertex) const {
     return std::span(around_).subspan(first_[vertex], first_[vertex + 1] - first_[vertex]);

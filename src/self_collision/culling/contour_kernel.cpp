@@ -64,8 +64,7 @@ SELVAGE_INLINE Float8 length(const Moving8<kSteps>& a) {
   return longest;
 }
 
-/// What a product of two moving vectors takes at least and at most: the smallest and largest of its coefficients in
-/// Bernstein form.
+/// Bounds of a product of two moving vectors: the smallest and the largest of its coefficients in Bernstein form.
 struct Bounds8 {
   Float8 lower;
   Float8 upper;

@@ -47,7 +47,7 @@ void store_area(std::array<UnsetVector<float>, 4>& rows, std::size_t place, cons
   rows[3][place] = static_cast<float>(kFloatError * length + kDoubleError * area.terms);
 }
 
-/// What is known of a simple loop.
+/// Sense and box of a simple loop.
 struct LoopShape {
   bool may_turn_left;  ///< not certainly clockwise
   float lower[2];
@@ -61,7 +61,7 @@ bool are_apart(const LoopShape& a, const LoopShape& b) {
          is_below(b.upper[1], a.lower[1]);
 }
 
-/// Of the loop that some blocks make.
+/// The shape of one loop, given by its blocks.
 template <int kSteps>
 LoopShape shape_of(const PlanarLoops<kSteps>& loops, std::span<const EdgeBlock> blocks) {
   const float* const x = loops.coordinates[0][0];
@@ -151,7 +151,7 @@ void PlanarEmbeddingTest<kSteps>::measure(SurfacePieces::Range places) {
   });
 }
 
-/// Of one group.
+/// Computes the area vectors of one group.
 template <int kSteps>
 void PlanarEmbeddingTest<kSteps>::compute_areas(Index first, Index last) {
   Vec3 sum = Vec3::Zero();
@@ -172,7 +172,7 @@ void PlanarEmbeddingTest<kSteps>::compute_areas(Index first, Index last) {
   group_areas_[first / kGroup] = sum;
 }
 
-/// Of whole groups, eight triangles at once, from floats.
+/// Computes the area vectors of whole groups, eight triangles at once, from floats.
 template <int kSteps>
 void PlanarEmbeddingTest<kSteps>::compute_areas_in_frame(Index first, Index last) {
   if constexpr (kSteps == 2) {
@@ -214,7 +214,7 @@ bool PlanarEmbeddingTest<kSteps>::do_triangles_face(Index node, const Projection
   return true;
 }
 
-/// No blocks where coordinates are out of range.
+/// Projects the contours, scales them into [-1, 1] and cuts them into blocks. No blocks where that overflows.
 template <int kSteps>
 PlanarLoops<kSteps> PlanarEmbeddingTest<kSteps>::project_contours(const SurfacePieces::Contours& contours,
                                                                   const ProjectionPlane& plane,
@@ -288,12 +288,64 @@ bool PlanarEmbeddingTest<kSteps>::is_contour_embedded(Index node, const Projecti
 }
 
 template <int kSteps>
-bool PlanarEmbeddingTest<kSteps>::is_graph(Index node, Workspace& workspace) const {
+bool PlanarEmbeddingTest<kSteps>::is_embedded(Index node, Workspace& workspace) const {
   const ProjectionPlane plane = plane_of(node);
   return do_triangles_face(node, plane) && is_contour_embedded(node, plane, workspace);
 }
 
+namespace {
+
+/// Testing smaller pieces costs about as much as comparing their triangles.
+constexpr Index kMinTriangles = 32;
+
+/// Whether enough of the smallest pieces, which pass most often, pass the test to pay for testing all. Decided by a
+/// sample of them.
+template <int kSteps>
+bool is_worth_testing(const SurfacePieces& pieces, PlanarEmbeddingTest<kSteps>& test, bool knows_neighbours) {
+  constexpr std::size_t kOneOf = 16, kMinSampled = 16, kMaxSampled = 32;
+  // The share of triangles that must be culled. A culled triangle saves more where it would be compared with its
+  // neighbours over a step.
+  const double worthwhile_share = kSteps == 1 || knows_neighbours ? 0.75 : 1.0 / 16;
+  std::vector<Index> small;
+  for (std::size_t n = 0; n < pieces.ranges().size(); ++n)
+    if (const Index size = pieces.ranges()[n].size(); size >= kMinTriangles && size < 4 * kMinTriangles)
+      small.push_back(static_cast<Index>(n));
+  if (small.size() < kMinSampled) return true;
+  const std::size_t step = std::max(std::min(kOneOf, small.size() / kMinSampled), small.size() / kMaxSampled);
+  std::int64_t may_fail = 0;
+  for (std::size_t i = 0; i < small.size(); i += step) may_fail += pieces.ranges()[small[i]].size();
+  may_fail = static_cast<std::int64_t>((1 - worthwhile_share) * static_cast<double>(may_fail));
+  typename PlanarEmbeddingTest<kSteps>::Workspace workspace;
+  for (std::size_t i = 0; i < small.size() && may_fail >= 0; i += step) {
+    const SurfacePieces::Range range = pieces.ranges()[small[i]];
+    test.measure(range);
+    if (!test.is_embedded(small[i], workspace)) may_fail -= range.size();
+  }
+  return may_fail >= 0;
+}
+
+}  // namespace
+
+template <int kSteps>
+CulledPairs cull_by_planar_embedding(const Bvh& bvh, SurfacePieces& pieces,
+                                     const typename PlanarEmbeddingTest<kSteps>::Poses& poses,
+                                     std::span<const MovingRow> rounded, bool knows_neighbours,
+                                     PlanarEmbeddingTest<kSteps>& test) {
+  using Workspace = typename PlanarEmbeddingTest<kSteps>::Workspace;
+  CulledPairs culled;
+  test.take(pieces, poses, rounded);
+  if (!is_worth_testing(pieces, test, knows_neighbours)) return culled;
+  test.measure({0, static_cast<Index>(pieces.triangles().size())});
+  cull_from_root<Workspace>(bvh, pieces, kMinTriangles, culled,
+                            [&](Index node, Workspace& workspace) { return test.is_embedded(node, workspace); });
+  return culled;
+}
+
 template class PlanarEmbeddingTest<1>;
 template class PlanarEmbeddingTest<2>;
+template CulledPairs cull_by_planar_embedding<1>(const Bvh&, SurfacePieces&, const PlanarEmbeddingTest<1>::Poses&,
+                                                 std::span<const MovingRow>, bool, PlanarEmbeddingTest<1>&);
+template CulledPairs cull_by_planar_embedding<2>(const Bvh&, SurfacePieces&, const PlanarEmbeddingTest<2>::Poses&,
+                                                 std::span<const MovingRow>, bool, PlanarEmbeddingTest<2>&);
 
 }  // namespace selvage

@@ -2,15 +2,18 @@
 
 #include "core/unset_vector.h"
 #include "self_collision/culling/contour_kernel.h"
+#include "self_collision/culling/culled_pairs.h"
 #include "self_collision/culling/surface_pieces.h"
 
 namespace selvage {
 
-/// Decides whether pieces of a surface are certainly graphs over a plane: then no two of their triangles meet but in
-/// the vertices and edges that they share (docs/self_collision_cones.md, theorem 1). With two poses the piece is a
-/// graph over one plane all the time while vertices move on straight lines from one to the other.
+/// The planar embedding test: decides whether the projection of a piece of surface on a plane is certainly one-to-one.
+/// Then no two of its triangles meet but in the vertices and edges that they share. It is the surface normal test and
+/// the contour test of the normal cone test (NCT), with the condition that several contours need
+/// (docs/self_collision_cones.md, theorem 1). With two poses the projection on one plane is one-to-one at all times
+/// while vertices move on straight lines from one pose to the other.
 ///
-/// A test is sufficient, never wrong: whatever rounding leaves open is "no".
+/// The test is sufficient, and all rounding is bounded: what cannot be decided is "no".
 ///
 /// @tparam kSteps  1: one pose; 2: the two ends of a step
 template <int kSteps>
@@ -18,19 +21,19 @@ class PlanarEmbeddingTest {
  public:
   using Poses = std::array<std::span<const Vec3>, kSteps>;
 
-  /// What a step looks like in a frame; nothing for one pose.
+  /// Positions of a step in a frame; empty for one pose.
   using Rounded = std::span<const MovingRow>;
 
-  /// Takes new poses: O(n), parallel. Keeps references to what it is given; pieces learn their
-  /// contours as they are asked for.
+  /// Takes new poses: O(n), parallel. Keeps references to its arguments; the contours of a piece are traced when they
+  /// are first asked for.
   ///
-  /// @param rounded  where poses are those of a step, the same in a frame; faster than without
+  /// @param rounded  the poses of a step once more, in a frame: optional, and faster
   void place(SurfacePieces& pieces, const Poses& poses, Rounded rounded = {}) {
     take(pieces, poses, rounded);
     measure({0, static_cast<Index>(pieces.triangles().size())});
   }
 
-  /// The same in two parts: what has not been measured since poses were taken must not be asked.
+  /// The same in two parts. Nodes with triangles that have not been measured since poses were taken must not be tested.
   void take(SurfacePieces& pieces, const Poses& poses, Rounded rounded = {});
   void measure(SurfacePieces::Range places);
 
@@ -43,16 +46,17 @@ class PlanarEmbeddingTest {
     std::vector<EdgeBlock> blocks;
   };
 
-  /// O(triangles).
-  bool is_graph(Index node, Workspace& workspace) const;
+  /// Whether a node's piece is certainly embedded in the plane across its area vector. O(triangles).
+  bool is_embedded(Index node, Workspace& workspace) const;
 
   /// The plane across the area vector of a node's piece (of both ends together); a zero normal where there is none.
   ProjectionPlane plane_of(Index node) const;
 
-  /// Only the first condition: all triangles of the node certainly face along the plane's normal.
+  /// The surface normal test alone: all triangles of the node certainly face along the plane's normal.
   bool do_triangles_face(Index node, const ProjectionPlane& plane) const;
 
-  /// Only the others: the contours, projected on the plane, certainly meet nowhere, and wind around no point twice.
+  /// The contour test alone: the contours, projected on the plane, certainly meet nowhere, and wind around no point
+  /// twice.
   bool is_contour_embedded(Index node, const ProjectionPlane& plane, Workspace& workspace,
                            ContourTest test = ContourTest::kMonotoneRuns) const;
 
@@ -72,5 +76,16 @@ class PlanarEmbeddingTest {
 
 /// The plane across a vector, which need not have unit length; a zero normal where it has no length.
 ProjectionPlane plane_across(const Vec3& direction);
+
+/// `CullingMethod::kAuto`: culls the nodes that pass the planar embedding test. No cones: the plane of a node is the
+/// one across its area vector. Nodes of few triangles are not tested; nothing is, where a sample shows that it would
+/// not pay. Misses no pair.
+///
+/// @param knows_neighbours  most triangles are known not to meet their neighbours without culling: less is to be gained
+template <int kSteps>
+CulledPairs cull_by_planar_embedding(const Bvh& bvh, SurfacePieces& pieces,
+                                     const typename PlanarEmbeddingTest<kSteps>::Poses& poses,
+                                     std::span<const MovingRow> rounded, bool knows_neighbours,
+                                     PlanarEmbeddingTest<kSteps>& test);
 
 }  // namespace selvage

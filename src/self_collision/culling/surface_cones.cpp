@@ -2,9 +2,6 @@
 
 #include "core/parallel.h"
 
-#include <cmath>
-#include <numbers>
-
 namespace selvage {
 
 namespace {
@@ -17,11 +14,6 @@ DirectionCone cone_around(const std::array<Vec3, kCount>& directions) {
 }
 
 }  // namespace
-
-bool passes_dual_cone_test(const DirectionCone& normals, const DirectionCone& binormals) {
-  if (!(normals.angle < std::numbers::pi / 2)) return false;
-  return binormals.is_empty() || std::abs(normals.axis.dot(binormals.axis)) < std::cos(binormals.angle);
-}
 
 template <int kSteps>
 SurfaceCones<kSteps>::SurfaceCones(const Bvh& bvh, const SurfacePieces& pieces, const Poses& poses)

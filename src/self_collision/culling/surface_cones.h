@@ -5,9 +5,10 @@
 
 namespace selvage {
 
-/// Cones around normals and binormals of the pieces below nodes, refitted from the leaves up. A binormal is the cross
-/// product of a triangle's normal and one of its edges: within the triangle, to the left of the edge. Over a step all
-/// cones hold the directions that occur at any time.
+/// Surface normal cones (SNC) and binormal cones (BNC) of the pieces of surface below nodes, refitted from the leaves
+/// up (EDC sections 3.3, 4.1 and 5.2.3). A binormal is the cross product of a triangle's normal and one of its edges:
+/// it lies in the triangle's plane, to the left of the edge. Over a step all cones hold the directions that occur at
+/// any time.
 ///
 /// @tparam kSteps  1: one pose; 2: the two ends of a step
 template <int kSteps>
@@ -18,9 +19,9 @@ class SurfaceCones {
   /// O(n), parallel within each level.
   SurfaceCones(const Bvh& bvh, const SurfacePieces& pieces, const Poses& poses);
 
-  /// (n_nodes) normals.
+  /// The SNC of a node.
   const DirectionCone& normals(Index node) const { return normals_[node]; }
-  /// (n_nodes) binormals of the edges on the border of the whole surface.
+  /// The BNC of a node's edges on the border of the whole surface.
   const DirectionCone& border_binormals(Index node) const { return border_binormals_[node]; }
 
   /// Normals of the triangle at a place.
@@ -37,8 +38,5 @@ class SurfaceCones {
   std::vector<DirectionCone> normals_;
   std::vector<DirectionCone> border_binormals_;
 };
-
-/// FASTCD's test: normals within a half space, binormals within a half plane as seen along the axis of the normals.
-bool passes_dual_cone_test(const DirectionCone& normals, const DirectionCone& binormals);
 
 }  // namespace selvage

@@ -45,8 +45,8 @@ class SurfacePieces {
     std::vector<Index> loops;  ///< end of each loop among the edges
   };
 
-  /// The contours of a node's piece: found when they are first asked for, in O(triangles below it), and kept; of most
-  /// nodes nobody asks. Thread-safe for different nodes.
+  /// The contours of a node's piece: traced when they are first asked for, in O(triangles below it), and kept. Most
+  /// nodes are never asked. Thread-safe for different nodes.
   /// @param workspace  memory of one thread
   const Contours& contours(Index node, std::vector<char>& workspace);
 

@@ -27,9 +27,9 @@ int bring_shared_first(VertexTuple<3>& a, VertexTuple<3>& b) {
 
 double thickness_of(const SurfaceView& surface, const VertexTuple<3>& vertices) {
   if (surface.vertex_thickness == nullptr) return 0;
-  double most = 0;
-  for (const Index v : vertices) most = std::max(most, surface.vertex_thickness[v]);
-  return most;
+  double largest = 0;
+  for (const Index v : vertices) largest = std::max(largest, surface.vertex_thickness[v]);
+  return largest;
 }
 
 /// How two triangles without a common vertex meet; nothing where they do not, nor are they too near.

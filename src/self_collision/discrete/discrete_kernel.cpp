@@ -8,7 +8,7 @@ inline namespace SELVAGE_ISA {
 
 namespace {
 
-/// Pairs of triangles that share kShared vertices: what counts is where the other vertices lie.
+/// Pairs of triangles that share kShared vertices: the position of the other vertices decides.
 template <int kShared>
 class AdjacentBatch {
  public:
@@ -35,7 +35,7 @@ class AdjacentBatch {
         input_.b, [&](int lane) -> const VertexTuple<3>& { return b_[lane]; }, b);
     const WideCorner rest_a[3] = {a[kShared], a[2], a[2]}, rest_b[3] = {b[kShared], b[2], b[2]};
     unsigned apart = beside_plane(a, rest_b) | beside_plane(b, rest_a);
-    // What lies flat beside its neighbour is not beside its plane.
+    // A triangle flat beside its neighbour is not beside its plane.
     if constexpr (kShared == 1)
       apart |= apart_but_for_vertex({a[1] - a[0], a[2] - a[0]}, {b[1] - a[0], b[2] - a[0]});
     else
@@ -67,7 +67,7 @@ int bring_shared_first(VertexTuple<3>& a, VertexTuple<3>& b) {
   return shared;
 }
 
-/// One piece of a search: the hierarchy decides which triangles are looked at.
+/// One piece of a search: the hierarchy decides which triangles are tested.
 class Search {
  public:
   Search(const DiscreteInput& input, DiscreteResult& result)
@@ -98,7 +98,7 @@ class Search {
         });
   }
 
-  /// Neighbours, one after the other as they are listed, and all that is met below them.
+  /// Listed neighbours one after the other, and all pairs that are met below them.
   void search_listed(Index first, Index last) {
     constexpr Index kAhead = 3;
     const BvhNode* const nodes = input_.a.nodes.data();
@@ -115,7 +115,7 @@ class Search {
       else
         place = listed.end - 1;
       ++place;
-      if (waiting_count_ >= kManyWaiting) search_waiting();
+      if (waiting_count_ >= kMaxWaiting) search_waiting();
     }
     search_waiting();
   }
@@ -139,11 +139,11 @@ class Search {
   }
 
  private:
-  /// The one place where a pair of nodes is left out although their boxes meet.
+  /// Culling: the one place where a pair of nodes is left out although their boxes meet.
   template <bool kSelf>
   SELVAGE_INLINE bool may_enter(NodePair pair) {
     if (result_.stop != nullptr && result_.stop->load(std::memory_order_relaxed)) return false;
-    if (kSelf && input_.spared.do_hold(input_.a.nodes.data(), pair)) return false;
+    if (kSelf && input_.culled.holds(input_.a.nodes.data(), pair)) return false;
     ++result_.counters.node_pairs;
     result_.counters.self_node_pairs += kSelf && pair.a == pair.b;
     return true;
@@ -152,13 +152,13 @@ class Search {
   SELVAGE_INLINE void compare_listed(const NeighbourPair& listed) {
     const NodePair pair = listed.pair;
     const BvhNode &a = input_.a.nodes[pair.a], &b = input_.a.nodes[pair.b];
-    std::uint64_t strangers = traversal::meeting_children(a, b) & ~listed.neighbours;
-    if (pair.a == pair.b) strangers &= traversal::kAboveDiagonal;
+    std::uint64_t nonadjacent = traversal::meeting_children(a, b) & ~listed.neighbours;
+    if (pair.a == pair.b) nonadjacent &= traversal::kAboveDiagonal;
     const std::uint64_t primitives = traversal::primitive_pairs(a, b), neighbours = listed.neighbours & primitives;
-    take({pair.a, pair.b, (strangers & primitives) | neighbours}, neighbours);
-    if ((strangers & ~primitives) == 0) return;
+    take({pair.a, pair.b, (nonadjacent & primitives) | neighbours}, neighbours);
+    if ((nonadjacent & ~primitives) == 0) return;
     traversal::hand_on_children(
-        a, b, pair, strangers & ~primitives,
+        a, b, pair, nonadjacent & ~primitives,
         [&](NodePair next) {
           traversal::prefetch_node(input_.a.nodes[next.a]);
           traversal::prefetch_node(input_.a.nodes[next.b]);
@@ -167,7 +167,7 @@ class Search {
         [](const PrimitivePairs&) {});
   }
 
-  /// What is below pairs of strangers, which by now are in the caches.
+  /// Searches below pairs of nonadjacent nodes, which by now are in the caches.
   void search_waiting() {
     for (int i = 0; i < waiting_count_; ++i) search_below<true>(waiting_[i], false);
     waiting_count_ = 0;
@@ -182,11 +182,11 @@ class Search {
     const BvhNode& b = input_.b.nodes[pairs.second];
     result_.counters.box_pairs += count_bits(pairs.bits);
     result_.counters.adjacent_pairs += count_bits(shared);
-    const std::uint64_t strangers = pairs.bits & ~shared;
+    const std::uint64_t nonadjacent = pairs.bits & ~shared;
     if (takes_all_)
-      disjoint_.add_children(pairs.first, pairs.second, strangers);
+      disjoint_.add_children(pairs.first, pairs.second, nonadjacent);
     else
-      add_each(a, b, strangers, false);
+      add_each(a, b, nonadjacent, false);
     if (input_.include_adjacent) add_each(a, b, shared, true);
   }
 
@@ -219,13 +219,13 @@ class Search {
 
   const DiscreteInput& input_;
   DiscreteResult& result_;
-  bool takes_all_;  ///< that have no common vertex and do not lie apart
+  bool takes_all_;  ///< nothing is filtered before the test
   PairBatch disjoint_;
   AdjacentBatch<1> by_vertex_;
   AdjacentBatch<2> by_edge_;
-  static constexpr int kManyWaiting = 16;
+  static constexpr int kMaxWaiting = 16;
   int waiting_count_ = 0;
-  NodePair waiting_[kManyWaiting + BvhNode::kWidth * BvhNode::kWidth];
+  NodePair waiting_[kMaxWaiting + BvhNode::kWidth * BvhNode::kWidth];
 };
 
 }  // namespace

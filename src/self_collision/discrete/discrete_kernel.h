@@ -21,10 +21,11 @@ SELVAGE_DISCRETE_KERNEL
 }
 #undef SELVAGE_DISCRETE_KERNEL
 
-/// Decides a pair of triangles (of a, of b) exactly and notes it where it counts. Compiled once, for every x86-64.
+/// Decides a pair of triangles (of a, of b) exactly and records it where it meets and the filters keep it. Compiled
+/// once, for every x86-64.
 void decide_pair(const DiscreteInput& input, Index first, Index second, DiscreteResult& result);
 
-/// Notes those of so many pairs, all known to cross, that count.
+/// Records those of `count` pairs, all known to cross, that the filters keep.
 void take_crossing_pairs(const DiscreteInput& input, const Index* first, const Index* second, int count,
                          DiscreteResult& result);
 

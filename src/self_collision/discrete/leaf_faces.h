@@ -43,7 +43,7 @@ struct alignas(64) LeafFaces {
   }
 };
 
-/// The faces of nodes that were asked for last. A search comes back to a node many times, and to most of them never.
+/// A cache of the faces of nodes: a search comes back to some nodes many times.
 class FaceCache {
  public:
   FaceCache(const std::array<float, 4>* rows, const LeafVertices* leaves) : rows_(rows), leaves_(leaves) {
@@ -52,7 +52,7 @@ class FaceCache {
 
   SELVAGE_INLINE const LeafFaces& of(Index node) { return at(place_of(node), node); }
 
-  /// Keeps what of() gave for another node.
+  /// The same, and keeps the result of of() for another node valid.
   SELVAGE_INLINE const LeafFaces& of(Index node, Index kept) {
     return at(place_of(node) == place_of(kept) && node != kept ? kSize : place_of(node), node);
   }
@@ -75,7 +75,7 @@ class FaceCache {
   LeafFaces faces_[kSize + 1];
 };
 
-/// Eight of them.
+/// Eight entries of rows.
 SELVAGE_INLINE WideCorner pick_rows(const LeafFaces::Rows& rows, Int8 lanes) {
   const auto pick = [&](const float* row) { return pick_lanes(Float8::load(row), lanes); };
   return {pick(rows[0]), pick(rows[1]), pick(rows[2])};
@@ -88,7 +88,7 @@ SELVAGE_INLINE unsigned all_beyond(Float8 first, Float8 step, Float8 other_step,
          less_equal(max(max(first, second), third), negative(bound));
 }
 
-/// Those of eight pairs of triangles of which one lies, for certain, on one side of the plane of the other. Only of
+/// Lanes of eight pairs of triangles in which one lies, for certain, on one side of the plane of the other. Only for
 /// triangles whose boxes meet.
 ///
 /// @param i, k  which triangle of a, and of b; only the lowest three bits count
@@ -100,11 +100,11 @@ SELVAGE_INLINE unsigned beside_faces(const LeafFaces& a, Int8 i, const LeafFaces
   // sums of two dot products, each rounded.
   const Float8 far = size_a + size_b;
   const Float8 error = Float8::broadcast(2 * kFrameRounding) + far * Float8::broadcast(0x1p-21f);
-  const Float8 share = error * far * Float8::broadcast(20), least = Float8::broadcast(1e-30f);
+  const Float8 share = error * far * Float8::broadcast(20), smallest = Float8::broadcast(1e-30f);
   const auto along = [&](const LeafFaces::Rows& edge) { return dot(normal_a, pick_rows(edge, k)); };
   const auto across = [&](const LeafFaces::Rows& edge) { return dot(normal_b, pick_rows(edge, i)); };
-  return all_beyond(dot(normal_a, way), along(b.edges[0]), along(b.edges[1]), share * size_a + least) |
-         all_beyond(negative(dot(normal_b, way)), across(a.edges[0]), across(a.edges[1]), share * size_b + least);
+  return all_beyond(dot(normal_a, way), along(b.edges[0]), along(b.edges[1]), share * size_a + smallest) |
+         all_beyond(negative(dot(normal_b, way)), across(a.edges[0]), across(a.edges[1]), share * size_b + smallest);
 }
 
 }  // namespace SELVAGE_ISA

@@ -17,7 +17,7 @@ SELVAGE_INLINE void gather_triangles(const SurfaceView& surface, Triangle&& tria
   for (int k = 0; k < 3; ++k) corners[k] = gather_corner(surface.rounded, [&](int lane) { return triangle(lane)[k]; });
 }
 
-/// Triangles known by their numbers.
+/// Triangles named by their indices.
 struct ByTriangle {
   SELVAGE_INLINE static Index vertex(const SurfaceView& surface, Index id, int corner) {
     return surface.triangles[id][corner];
@@ -25,8 +25,8 @@ struct ByTriangle {
   SELVAGE_INLINE static Index triangle(const SurfaceView&, Index id) { return id; }
 };
 
-/// Triangles known by their places in the leaves, eight times the number of a node and that of the child: what is asked
-/// of them soon after the node was is still near.
+/// Triangles named by their places in the leaves: eight times the number of the node, plus that of the child. Their
+/// vertices are in the cache while the search is at the node.
 struct ByLeaf {
   SELVAGE_INLINE static Index vertex(const SurfaceView& surface, Index id, int corner) {
     return surface.leaves[node(id)].corners[corner][child(id)];
@@ -43,27 +43,27 @@ struct ByLeaf {
 
 /// The corners of eight pairs of triangles.
 ///
-/// @tparam Known  by what they are known
-template <typename Known>
+/// @tparam Naming  ByTriangle or ByLeaf
+template <typename Naming>
 struct WidePairs {
   WideCorner a[3], b[3];
 
   SELVAGE_INLINE WidePairs(const DiscreteInput& input, const Index* first, const Index* second) {
     for (int k = 0; k < 3; ++k) {
-      a[k] = gather_corner(input.a.rounded, [&](int lane) { return Known::vertex(input.a, first[lane], k); });
-      b[k] = gather_corner(input.b.rounded, [&](int lane) { return Known::vertex(input.b, second[lane], k); });
+      a[k] = gather_corner(input.a.rounded, [&](int lane) { return Naming::vertex(input.a, first[lane], k); });
+      b[k] = gather_corner(input.b.rounded, [&](int lane) { return Naming::vertex(input.b, second[lane], k); });
     }
   }
 };
 
-/// Pairs of triangles that wait to be looked at in groups.
+/// Pairs of triangles that wait to be tested in groups.
 class PairQueue {
  public:
-  /// Returns whether there are many.
+  /// Returns whether it is time to take groups out.
   SELVAGE_INLINE bool add(Index first, Index second) {
     first_[count_] = first;
     second_[count_] = second;
-    return ++count_ >= kMany;
+    return ++count_ >= kFlushAt;
   }
 
   /// Adds the lanes of a mask.
@@ -71,7 +71,7 @@ class PairQueue {
     store_packed(first, lanes, first_ + count_);
     store_packed(second, lanes, second_ + count_);
     count_ += count_lanes(lanes);
-    return count_ >= kMany;
+    return count_ >= kFlushAt;
   }
 
   /// Takes out groups of eight pairs.
@@ -111,20 +111,20 @@ class PairQueue {
   }
 
  private:
-  static constexpr int kGroup = 8, kMany = 64;
+  static constexpr int kGroup = 8, kFlushAt = 64;
   int count_ = 0;
-  Index first_[kMany + kGroup], second_[kMany + kGroup];
+  Index first_[kFlushAt + kGroup], second_[kFlushAt + kGroup];
 };
 
 /// Pairs of children of two nodes that wait to be compared.
 class ChildrenQueue {
  public:
-  /// Adds pairs of children of two nodes. Returns whether there are many. Of most nodes there are none, but of which is
-  /// hard to predict.
+  /// Adds pairs of children of two nodes. Returns whether it is time to take all out. Most nodes have no such
+  /// pair, and which ones do is hard to predict for a branch.
   SELVAGE_INLINE bool add(Index a, Index b, std::uint64_t pairs) {
     waiting_[count_] = {a, b, pairs};
     count_ += pairs != 0;
-    return count_ == kMany;
+    return count_ == kFlushAt;
   }
 
   /// Takes all out.
@@ -133,7 +133,7 @@ class ChildrenQueue {
   ///              that of b; up to seven more can be read
   template <typename Test>
   SELVAGE_INLINE void take_all(Test&& test) {
-    int ends[kMany];
+    int ends[kFlushAt];
     for (int i = 0, end = 0; i < count_; ++i) ends[i] = end += store_bit_numbers(waiting_[i].pairs, numbers_ + end);
     for (int i = 0, begin = 0; i < count_; begin = ends[i++])
       test(waiting_[i].a, waiting_[i].b, numbers_ + begin, ends[i] - begin);
@@ -141,14 +141,14 @@ class ChildrenQueue {
   }
 
  private:
-  static constexpr int kMany = 32, kMaxOfTwo = BvhNode::kWidth * BvhNode::kWidth;
+  static constexpr int kFlushAt = 32, kMaxOfTwo = BvhNode::kWidth * BvhNode::kWidth;
   struct Children {
     Index a, b;
     std::uint64_t pairs;
   };
   int count_ = 0;
-  Children waiting_[kMany];
-  std::int32_t numbers_[kMany * kMaxOfTwo + 16] = {};
+  Children waiting_[kFlushAt];
+  std::int32_t numbers_[kFlushAt * kMaxOfTwo + 16] = {};
 };
 
 /// The mask of the first so many lanes of eight, or of all.
@@ -156,19 +156,19 @@ SELVAGE_INLINE unsigned first_lanes(int count) {
   return count < BvhNode::kWidth ? (1u << count) - 1 : 0xff;
 }
 
-/// What decides pairs exactly, one by one.
+/// Decides pairs exactly, one by one.
 inline void decide_all(const DiscreteInput& input, const Index* first, const Index* second, unsigned lanes,
                        DiscreteResult& result) {
   for (; lanes != 0; lanes &= lanes - 1)
     decide_pair(input, first[lowest_lane(lanes)], second[lowest_lane(lanes)], result);
 }
 
-/// Pairs of triangles without a common vertex whose boxes meet, looked at eight at once in single precision with a
-/// bound of all rounding: the planes of both tell apart nearly all that do not meet; nearly all that cross certainly
-/// do; the edges tell apart most of the rest. What is left is decided exactly.
+/// Pairs of triangles without a common vertex whose boxes meet, tested eight at once in single precision with a bound
+/// of all rounding. The planes of both separate nearly all pairs that do not meet. Nearly all pairs that cross are
+/// recognised as such. Directions of edges separate most of the rest. Pairs that remain are decided exactly.
 class PairBatch {
   /// Pairs that are close, and those of them that cross.
-  template <typename Known>
+  template <typename Naming>
   struct Close {
     PairQueue close, crossing;
   };
@@ -176,10 +176,11 @@ class PairBatch {
   auto planes() {
     return [this](const Index* first, const Index* second, unsigned lanes) { test_planes(first, second, lanes); };
   }
-  template <typename Known>
+  template <typename Naming>
   auto crossing() {
-    return
-        [this](const Index* first, const Index* second, unsigned lanes) { test_crossing<Known>(first, second, lanes); };
+    return [this](const Index* first, const Index* second, unsigned lanes) {
+      test_crossing<Naming>(first, second, lanes);
+    };
   }
   auto edges() {
     return [this](const Index* first, const Index* second, unsigned lanes) { test_edges(first, second, lanes); };
@@ -197,7 +198,7 @@ class PairBatch {
   SELVAGE_INLINE void add(Index first, Index second) {
     if (met_.add(first, second)) met_.take_groups(planes());
   }
-  /// Adds those pairs of children of two nodes that are in the mask, told apart by the faces of both.
+  /// Adds those pairs of children of two nodes that are in the mask.
   SELVAGE_INLINE void add_children(Index a, Index b, std::uint64_t bits) {
     if (children_.add(a, b, bits)) test_faces();
   }
@@ -207,7 +208,7 @@ class PairBatch {
     test_faces();
     flush_close<ByTriangle>();
     flush_close<ByLeaf>();
-    unclear_.take_all(edges());
+    undecided_.take_all(edges());
   }
 
  private:
@@ -236,39 +237,39 @@ class PairBatch {
     add_close<ByTriangle>(Int8::load(first), Int8::load(second), lanes & ~apart);
   }
 
-  template <typename Known>
+  template <typename Naming>
   SELVAGE_INLINE void add_close(Int8 first, Int8 second, unsigned lanes) {
-    PairQueue& close = std::get<Close<Known>>(close_).close;
-    if (close.add_lanes(first, second, lanes)) close.take_groups(crossing<Known>());
+    PairQueue& close = std::get<Close<Naming>>(close_).close;
+    if (close.add_lanes(first, second, lanes)) close.take_groups(crossing<Naming>());
   }
 
-  template <typename Known>
+  template <typename Naming>
   void flush_close() {
-    std::get<Close<Known>>(close_).close.take_all(crossing<Known>());
-    take_crossing<Known>();
+    std::get<Close<Naming>>(close_).close.take_all(crossing<Naming>());
+    take_crossing<Naming>();
   }
 
-  template <typename Known>
+  template <typename Naming>
   void test_crossing(const Index* first, const Index* second, unsigned lanes) {
-    const WidePairs<Known> pairs(input_, first, second);
+    const WidePairs<Naming> pairs(input_, first, second);
     const CertainLanes certain = tell_crossing(pairs.a, pairs.b);
-    PairQueue& crossing = std::get<Close<Known>>(close_).crossing;
+    PairQueue& crossing = std::get<Close<Naming>>(close_).crossing;
     if (crossing.add_lanes(Int8::load(first), Int8::load(second), lanes & certain.cross) || result_.stop != nullptr)
-      take_crossing<Known>();
-    // What lies apart may be too near.
+      take_crossing<Naming>();
+    // With a thickness, pairs that lie apart may be too near.
     for (unsigned rest = lanes & ~certain.cross & ~(has_thickness_ ? 0 : certain.apart); rest != 0; rest &= rest - 1) {
       const int lane = lowest_lane(rest);
-      if (unclear_.add(Known::triangle(input_.a, first[lane]), Known::triangle(input_.b, second[lane])))
-        unclear_.take_groups(edges());
+      if (undecided_.add(Naming::triangle(input_.a, first[lane]), Naming::triangle(input_.b, second[lane])))
+        undecided_.take_groups(edges());
     }
   }
 
-  template <typename Known>
+  template <typename Naming>
   void take_crossing() {
-    std::get<Close<Known>>(close_).crossing.take_at_once([&](Index* first, Index* second, int count) {
+    std::get<Close<Naming>>(close_).crossing.take_at_once([&](Index* first, Index* second, int count) {
       for (int i = 0; i < count; ++i) {
-        first[i] = Known::triangle(input_.a, first[i]);
-        second[i] = Known::triangle(input_.b, second[i]);
+        first[i] = Naming::triangle(input_.a, first[i]);
+        second[i] = Naming::triangle(input_.b, second[i]);
       }
       take_crossing_pairs(input_, first, second, count, result_);
     });
@@ -280,7 +281,7 @@ class PairBatch {
     decide_all(input_, first, second, lanes & ~apart_by_edges(pairs.a, pairs.b, away), result_);
   }
 
-  /// How far apart is far enough.
+  /// The sum of the thickness of both, rounded up.
   Float8 distance(const Index* first, const Index* second) const {
     float sums[EightPairs::kSize];
     for (int i = 0; i < EightPairs::kSize; ++i) {
@@ -296,7 +297,7 @@ class PairBatch {
   bool is_self_, has_thickness_;
   FaceCache faces_of_a_, faces_of_b_;
   ChildrenQueue children_;
-  PairQueue met_, unclear_;
+  PairQueue met_, undecided_;
   std::tuple<Close<ByTriangle>, Close<ByLeaf>> close_;
 };
 

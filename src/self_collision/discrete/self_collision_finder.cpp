@@ -82,8 +82,8 @@ SelfCollisionCounters& SelfCollisionCounters::operator+=(const SelfCollisionCoun
   box_pairs += other.box_pairs;
   adjacent_pairs += other.adjacent_pairs;
   tested_nodes += other.tested_nodes;
-  cleared_nodes += other.cleared_nodes;
-  cleared_triangles += other.cleared_triangles;
+  culled_nodes += other.culled_nodes;
+  culled_triangles += other.culled_triangles;
   exact_tests += other.exact_tests;
   return *this;
 }
@@ -98,8 +98,8 @@ struct SelfCollisionFinder::State {
   std::vector<LeafVertices> leaves;
   std::vector<NeighbourPair> neighbours;
   SurfacePieces pieces;
-  PlanarEmbeddingTest<1> graph_test;
-  CulledPairs spared;
+  PlanarEmbeddingTest<1> embedding_test;
+  CulledPairs culled;
 
   State(const TriangleMesh& m, std::span<const Vec3> positions, SelfCollisionOptions o)
       : mesh(m), options(std::move(o)), filter(PairFilter::where_needed(m, options.filters)) {
@@ -119,11 +119,11 @@ struct SelfCollisionFinder::State {
     if (is_culling()) pieces = SurfacePieces(mesh, bvh);
   }
 
-  /// Culling knows where triangles do not meet, not how near they are.
+  /// Culling says that triangles do not meet, not how near they are.
   bool is_culling() const { return options.method != CullingMethod::kBvh && options.thickness.empty(); }
 
   void cull() {
-    if (is_culling()) spared = cull_self_pairs<1>(options, bvh, pieces, {pose.positions()}, graph_test);
+    if (is_culling()) culled = cull_self_pairs<1>(options, bvh, pieces, {pose.positions()}, embedding_test);
   }
 
   void update(std::span<const Vec3> positions) {
@@ -158,10 +158,10 @@ struct SelfCollisionFinder::State {
 
   std::vector<TrianglePair> search_self_pairs(std::atomic<bool>* stop, SelfCollisionCounters* counters) const {
     DiscreteInput input = self_input();
-    input.spared = spared.nodes();
-    if (counters != nullptr) spared.counters.add_to(*counters);
+    input.culled = culled.nodes();
+    if (counters != nullptr) culled.counters.add_to(*counters);
     input.neighbours = neighbours;
-    const SelfWork work = split_self_work(bvh, neighbours, input.spared, piece_count(bvh));
+    const SelfWork work = split_self_work(bvh, neighbours, input.culled, piece_count(bvh));
     return search_all(options, input, work, work.counters, stop, counters,
                       [&](std::span<const SelfPiece> some, DiscreteResult& result) {
                         SELVAGE_DISPATCH(find_self_collisions, input, some, result);

@@ -6,11 +6,11 @@
 
 namespace selvage {
 
-/// Bounds the error of a coordinate in a frame that is rounded to a neighbouring float: a unit in the last place of the
-/// floats below 1, and the rounding of the doubles before.
+/// Bound of the error of a coordinate in a frame: a unit in the last place of floats below 1, plus the rounding of the
+/// doubles before.
 inline constexpr float kFrameRounding = 0x1.01p-24f;
 
-/// How positions are mapped to single precision: scaled by powers of two and moved, so that the surface's middle is the
+/// The map of positions to single precision: scaled by powers of two and moved, so that the surface's middle is the
 /// origin, where floats are finest, and its half size about 1, so that products neither overflow nor vanish.
 ///
 /// The map is monotone in each coordinate, rounding included, so that boxes that meet before meet after.
@@ -18,7 +18,7 @@ class PoseFrame {
  public:
   PoseFrame() = default;
 
-  /// The frame of what lies between two corners.
+  /// The frame of the box between two corners.
   PoseFrame(const Vec3& lower, const Vec3& upper) {
     const double largest = std::max(lower.cwiseAbs().maxCoeff(), upper.cwiseAbs().maxCoeff());
     const int exponent = largest > 0 ? std::ilogb(largest) : 0;

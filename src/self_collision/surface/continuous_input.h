@@ -11,20 +11,21 @@ namespace selvage {
 
 class PairFilter;
 
-/// Where a vertex is in the frame at the start of a step (x, y, z, 0) and at its end (x, y, z, 0), each coordinate
-/// rounded to the nearest float.
+/// The position of a vertex in the frame at the start of a step (x, y, z, 0) and at its end (x, y, z, 0), each
+/// coordinate rounded to the nearest float.
 struct alignas(32) MovingRow {
   float coordinates[8];
 };
 
-/// The corners of a triangle that is looked at, and which of its features are its own to answer for: bit k for vertex
-/// k, bit 3 + k for the edge opposite to it. Loaded as a row of four.
+/// The corners of a triangle, and the features whose representative triangle it is: bit k for vertex k, bit 3 + k for
+/// the edge opposite to it. A pair of features is tested only with the pair of their representative triangles, so each
+/// pair at most once (Curtis, Tamstorf, Manocha 2008; EDC section 6.1). Loaded as a row of four.
 struct alignas(16) MovingTriangle {
   VertexTuple<3> vertices;
-  std::uint32_t owned;
+  std::uint32_t represented;
 };
 
-/// What a search over a step reads.
+/// Input of a search over a step.
 struct ContinuousInput {
   std::span<const BvhNode> nodes;
   const MovingTriangle* triangles;
@@ -36,16 +37,16 @@ struct ContinuousInput {
   const float* thickness;          ///< per vertex, in the frame, rounded up; null: none
   const double* vertex_thickness;  ///< per vertex [m]; null: none
   const PairFilter* filter;        ///< null: keeps all
-  CulledNodes spared = {};
-  const LeafVertices* leaves = nullptr;            ///< per node; for a search of strangers alone
+  CulledNodes culled = {};
+  const LeafVertices* leaves = nullptr;            ///< per node; for a search of nonadjacent triangles
   std::span<const NeighbourPair> neighbours = {};  ///< likewise
 };
 
-/// What one piece of a search brings.
+/// Result of one piece of a search.
 struct ContinuousResult {
   ContinuousPairs pairs;
   ContinuousCounters counters;
-  std::atomic<bool>* stop = nullptr;  ///< set by whoever finds a pair, where one is enough; else null
+  std::atomic<bool>* stop = nullptr;  ///< set when a pair is found, where one is enough; else null
 };
 
 }  // namespace selvage

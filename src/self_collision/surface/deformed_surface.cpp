@@ -70,7 +70,7 @@ void DeformedSurface::place(const TriangleMesh& mesh, std::span<const Vec3> posi
   thickness_.resize(thickness.empty() ? 0 : mesh.triangle_count());
   parallel_for(std::ssize(thickness_), kGrain, [&](std::int64_t t) {
     const auto& [a, b, c] = mesh.triangles()[t];
-    // A little more than asked, for the rounding of map_length(); what is too much is told apart later.
+    // A little more, for the rounding of map_length(): pairs that are too far apart are rejected later.
     const double length = frame.map_length(std::max({thickness[a], thickness[b], thickness[c]}));
     thickness_[t] = round_up(length * (1 + 0x1p-40));
   });

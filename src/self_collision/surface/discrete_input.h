@@ -23,22 +23,22 @@ struct SurfaceView {
   const double* vertex_thickness;       ///< per vertex [m]; null: none
 };
 
-/// What a search reads. A surface with itself, with a part of itself (a), or with another.
+/// Input of a search: a surface against itself, against a part of itself (a), or against another surface.
 struct DiscreteInput {
   SurfaceView a, b;
   bool one_surface;  ///< equal numbers of vertices mean the same vertex
   bool include_adjacent;
   const std::uint8_t* in_subset;  ///< per triangle of b whether it is in a; null: a is no part of b
   const PairFilter* filter;       ///< null: keeps all
-  CulledNodes spared = {};
+  CulledNodes culled = {};
   std::span<const NeighbourPair> neighbours = {};  ///< of a search of a surface against itself
 };
 
-/// What one piece of a search brings.
+/// Result of one piece of a search.
 struct DiscreteResult {
   std::vector<TrianglePair> pairs;
   SelfCollisionCounters counters;
-  std::atomic<bool>* stop = nullptr;  ///< set by whoever finds a pair, where one is enough; else null
+  std::atomic<bool>* stop = nullptr;  ///< set when a pair is found, where one is enough; else null
 };
 
 }  // namespace selvage

@@ -6,7 +6,7 @@
 namespace selvage {
 inline namespace SELVAGE_ISA {
 
-/// Up to eight pairs that are looked at together.
+/// Up to eight pairs that are tested together.
 struct EightPairs {
   static constexpr int kSize = 8;
   Index first[kSize];

@@ -33,7 +33,7 @@ SELVAGE_INLINE MovingCorner gather_moving(const MovingRow* rows, const Index (&v
   return corner;
 }
 
-/// What some numbers reach at the start and at the end of a part of the step.
+/// The range of some numbers at the start and at the end of a part of the step.
 struct MovingExtent {
   Float8 lower[2], upper[2];
 
@@ -58,8 +58,8 @@ struct MovingExtent {
 };
 
 /// Eight pairs of two sets of points that move: a vertex and the three of a face, the two ends of an edge and those of
-/// another, the corners of two triangles. Told apart by directions along which the first set lies before the second at
-/// the start and at the end of the step, or of all parts of it: then it does all the time.
+/// another, the corners of two triangles. Separated by a direction along which the first set lies before the second at
+/// the start and at the end of the step, or of all parts of it: then it does all the time, by linearity.
 template <int kFirst, int kSecond>
 class MovingSets {
  public:
@@ -83,7 +83,7 @@ class MovingSets {
     gap_ = thickness == nullptr ? error_ : error_ + distance(thickness, vertices);
   }
 
-  /// What a point reaches along an axis, and the gap that tells two such apart.
+  /// The range of a point along an axis, and the gap between two such ranges that separates them for certain.
   SELVAGE_INLINE MovingExtent extent(int point, Float8 WideCorner::*axis) const {
     return {points_[point].start.*axis, points_[point].end.*axis};
   }
@@ -133,7 +133,7 @@ class MovingSets {
   }
 
   /// Lanes whose sets certainly meet: the four points change their orientation, so that some moment brings them into
-  /// one plane, while their shadows along one direction cross properly all the time.
+  /// one plane, while their projections along one direction cross properly all the time.
   SELVAGE_INLINE unsigned meet_in_part(const Points& points) const {
     // A coordinate of a difference of two points is off by less than error_, and no larger than this.
     const Float8 largest = far_ + far_;
@@ -152,34 +152,34 @@ class MovingSets {
     const Float8 bound =
         (magnitude(along.x) + magnitude(along.y) + magnitude(along.z)) * largest * error_ * Float8::broadcast(8) +
         Float8::broadcast(1e-30f);
-    /// On which side of the line through two points another is, seen along the direction: the least and the most of the
-    /// coefficients in Bernstein form.
+    /// On which side of the line through two points another is, seen along the direction: the range of the coefficients
+    /// in Bernstein form.
     const auto side = [&](int from, int to, int of) {
       const MovingCorner edge = points[to] - points[from], other = points[of] - points[from];
       const MovingCorner left{cross(along, edge.start), cross(along, edge.end)};
       const Float8 mixed = (dot(left.start, other.end) + dot(left.end, other.start)) * Float8::broadcast(0.5f);
       const Float8 first = dot(left.start, other.start), last = dot(left.end, other.end);
-      return Side{min(min(first, last), mixed), max(max(first, last), mixed)};
+      return Bounds{min(min(first, last), mixed), max(max(first, last), mixed)};
     };
     if constexpr (kFirst == 1) {
-      const Float8 least = min(min(side(1, 2, 0).least, side(2, 3, 0).least), side(3, 1, 0).least);
-      return turning & less_equal(bound, least);
+      const Float8 lowest = min(min(side(1, 2, 0).lower, side(2, 3, 0).lower), side(3, 1, 0).lower);
+      return turning & less_equal(bound, lowest);
     } else {
-      const auto opposite = [&](const Side& a, const Side& b) {
-        return (less_equal(bound, a.least) & less_equal(bound, negative(b.most))) |
-               (less_equal(bound, b.least) & less_equal(bound, negative(a.most)));
+      const auto opposite = [&](const Bounds& a, const Bounds& b) {
+        return (less_equal(bound, a.lower) & less_equal(bound, negative(b.upper))) |
+               (less_equal(bound, b.lower) & less_equal(bound, negative(a.upper)));
       };
       return turning & opposite(side(0, 1, 2), side(0, 1, 3)) & opposite(side(2, 3, 0), side(2, 3, 1));
     }
   }
 
-  struct Side {
-    Float8 least, most;
+  struct Bounds {
+    Float8 lower, upper;
   };
 
-  /// The directions that tell the points apart as they lie in the middle of the time, wherever they do not meet then:
-  /// for a vertex, the face's normal and those of its sides; for edges, what is normal to both, and in the plane of
-  /// both what is normal to one; what is left for parallel ones. For triangles only their normals.
+  /// Separating directions of the sets in the middle of the time. For a vertex and a face: the face's normal, and in
+  /// its plane the normals of its sides. For two edges: the normal to both, in their plane the normal to each, and two
+  /// more for parallel edges. These find every separation at that moment. For two triangles: only their normals.
   SELVAGE_INLINE unsigned apart_in_the_middle(const Points& points) const {
     WideCorner m[kPoints];
     for (int i = 0; i < kPoints; ++i) m[i] = sum(points[i].start, points[i].end);

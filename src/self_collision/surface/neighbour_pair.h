@@ -19,7 +19,7 @@ struct NeighbourPair {
 /// A part of a search of a surface against itself.
 struct SelfPiece {
   NodePair pair;
-  bool may_share;  ///< what is below may have vertices in common
+  bool may_share;  ///< triangles below may have vertices in common
   /// Where it stands in the list of neighbours, and the end of those below; first == last: nowhere.
   Index first = 0;
   Index last = 0;

@@ -94,13 +94,13 @@ std::size_t piece_count(const Bvh& bvh) {
   return std::clamp<std::size_t>(bvh.nodes().size() / 64, 16, 512);
 }
 
-SelfWork split_self_work(const Bvh& bvh, std::span<const NeighbourPair> neighbours, const CulledNodes& spared,
+SelfWork split_self_work(const Bvh& bvh, std::span<const NeighbourPair> neighbours, const CulledNodes& culled,
                          std::size_t wanted) {
   SelfWork work;
   const auto nodes = bvh.nodes();
   std::vector<SelfPiece> smaller;
   const auto add = [&](std::vector<SelfPiece>& pieces, const SelfPiece& piece) {
-    if (!spared.do_hold(nodes.data(), piece.pair)) pieces.push_back(piece);
+    if (!culled.holds(nodes.data(), piece.pair)) pieces.push_back(piece);
   };
   const auto add_listed = [&](std::vector<SelfPiece>& pieces, Index place) {
     const NeighbourPair& listed = neighbours[place];
@@ -121,9 +121,9 @@ SelfWork split_self_work(const Bvh& bvh, std::span<const NeighbourPair> neighbou
         });
     if (!piece.is_listed()) return;
     const BvhNode &a = nodes[piece.pair.a], &b = nodes[piece.pair.b];
-    const std::uint64_t strangers = traversal::meeting_children(a, b) & ~neighbours[piece.first].neighbours;
+    const std::uint64_t nonadjacent = traversal::meeting_children(a, b) & ~neighbours[piece.first].neighbours;
     traversal::hand_on_children(
-        a, b, piece.pair, is_self ? strangers & traversal::kAboveDiagonal : strangers,
+        a, b, piece.pair, is_self ? nonadjacent & traversal::kAboveDiagonal : nonadjacent,
         [&](NodePair pair) {
           add(smaller, {pair, false});
         },

@@ -12,7 +12,7 @@ std::vector<LeafVertices> list_leaf_vertices(const Bvh& bvh, std::span<const Ver
                                              std::span<const Index> triangle_of = {});
 
 /// All neighbours of a hierarchy over a surface. Their boxes meet in every pose, so that they need not be searched for:
-/// the list holds as long as the hierarchy is refitted, and what it leaves to a search shares no vertex. O(n) for
+/// the list holds as long as the hierarchy is refitted, and triangles outside it share no vertex. O(n) for
 /// surfaces without vertices of very many triangles, below which pairs are left unlisted.
 ///
 /// @param leaves  of the same hierarchy, see list_leaf_vertices()
@@ -31,7 +31,7 @@ struct SelfWork {
 
 /// Cuts the search into at least `wanted` pieces, where there are as many. The same pieces in the same order, whatever
 /// the number of threads.
-SelfWork split_self_work(const Bvh& bvh, std::span<const NeighbourPair> neighbours, const CulledNodes& spared,
+SelfWork split_self_work(const Bvh& bvh, std::span<const NeighbourPair> neighbours, const CulledNodes& culled,
                          std::size_t wanted);
 
 }  // namespace selvage

@@ -149,9 +149,9 @@ SELVAGE_INLINE unsigned apart_but_for_edge(const WideCorner& edge, const WideCor
          less_equal(dot(direction, b), negative(bound + tilt));
 }
 
-/// Lanes in which the triangles certainly lie farther apart than `distance`: told by the directions normal to an edge
-/// of each, and by those in the plane of one that are normal to an edge of it. With the planes' normals these are all
-/// that tell apart two triangles, in one plane or not.
+/// Lanes in which the triangles certainly lie farther apart than `distance`. Separating directions are those normal to
+/// an edge of each triangle, and those in the plane of one triangle that are normal to an edge of it. Together with the
+/// planes' normals these separate any two triangles that do not meet, in one plane or not.
 SELVAGE_INLINE unsigned apart_by_edges(const WideCorner (&first)[3], const WideCorner (&second)[3], Float8 distance) {
   const WideCorner origin = first[0];
   const WideCorner a[3] = {first[0] - origin, first[1] - origin, first[2] - origin};

@@ -6,24 +6,25 @@
 
 namespace selvage {
 
-/// Tells whoever asked how far a parallel loop has come.
+/// Reports the progress of a parallel loop to SelfCollisionOptions::on_progress.
 class SearchProgress {
  public:
   /// @param count  items of the loop, or of several that follow one another
-  SearchProgress(const SelfCollisionOptions& options, std::int64_t count) : tell_(options.on_progress), count_(count) {}
+  SearchProgress(const SelfCollisionOptions& options, std::int64_t count)
+      : report_(options.on_progress), count_(count) {}
 
   /// Thread-safe.
   void add(std::int64_t items) {
-    if (!tell_) return;
-    const std::lock_guard one_at_a_time(telling_);
+    if (!report_) return;
+    const std::lock_guard lock(mutex_);
     done_ += items;
-    tell_(static_cast<double>(done_) / static_cast<double>(count_));
+    report_(static_cast<double>(done_) / static_cast<double>(count_));
   }
 
  private:
-  const std::function<void(double)>& tell_;
+  const std::function<void(double)>& report_;
   std::int64_t count_, done_ = 0;
-  std::mutex telling_;
+  std::mutex mutex_;
 };
 
 }  // namespace selvage

@@ -15,8 +15,8 @@ Float4 margin_of(Float4 x) {
 
 Box swept_box(const MovingRow& a, const MovingRow& b, const MovingRow& c) {
   const Float8 rows[] = {Float8::load(a.coordinates), Float8::load(b.coordinates), Float8::load(c.coordinates)};
-  const Float8 least = min(min(rows[0], rows[1]), rows[2]), most = max(max(rows[0], rows[1]), rows[2]);
-  const Float4 lower = min(least.low(), least.high()), upper = max(most.low(), most.high());
+  const Float8 lowest = min(min(rows[0], rows[1]), rows[2]), highest = max(max(rows[0], rows[1]), rows[2]);
+  const Float4 lower = min(lowest.low(), lowest.high()), upper = max(highest.low(), highest.high());
   float low[4], high[4];
   (lower - margin_of(lower)).store(low);
   (upper + margin_of(upper)).store(high);
@@ -40,7 +40,7 @@ void SweptSurface::place(const TriangleMesh& mesh, std::span<const Vec3> positio
     const auto rounded = [](double x) { return static_cast<float>(x); };
     rounded_[v] = {{rounded(start[0]), rounded(start[1]), rounded(start[2]), 0, rounded(end[0]), rounded(end[1]),
                     rounded(end[2]), 0}};
-    // A little more than asked, for the rounding of map_length(); what is too much is told apart later.
+    // A little more, for the rounding of map_length(): pairs that are too far apart are rejected later.
     if (!thickness.empty()) thickness_[v] = round_up(frame.map_length(thickness[v]) * (1 + 0x1p-19));
   });
   boxes_.resize(mesh.triangle_count());
