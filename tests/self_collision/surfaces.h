@@ -2,6 +2,7 @@
 
 #include "selvage/mesh/triangle_mesh.h"
 
+#include <algorithm>
 #include <functional>
 #include <string>
 
@@ -38,5 +39,9 @@ Surface together(Surface a, const Surface& b);
 
 /// Coordinates rounded to multiples of 2^-bits.
 Surface snapped(Surface surface, int bits);
+
+inline bool has_vertex(std::span<const Index> vertices, Index v) {
+  return std::find(vertices.begin(), vertices.end(), v) != vertices.end();
+}
 
 }  // namespace selvage::surfaces
