@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <type_traits>
 
 namespace selvage {
 
@@ -22,6 +23,9 @@ using surfaces::Surface;
 using test::Random;
 using test::scaled;
 using Pairs = std::vector<TrianglePair>;
+
+static_assert(!std::is_constructible_v<SelfCollisionFinder, TriangleMesh, std::span<const Vec3>>);
+static_assert(std::is_constructible_v<SelfCollisionFinder, const TriangleMesh&, std::span<const Vec3>>);
 
 SelfCollisionOptions with_adjacent() {
   SelfCollisionOptions options;

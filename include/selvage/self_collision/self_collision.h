@@ -73,7 +73,8 @@ struct TrianglePair {
 /// they overlap in one plane or do not meet (see intersection_segment()).
 using CommonSegment = std::optional<std::array<Vec3, 2>>;
 
-/// Statistics of a search. The same for any number of threads.
+/// Statistics of a search, counted on request: queries are concurrent, so that each hands out its own. The same for any
+/// number of threads.
 struct SelfCollisionCounters {
   std::int64_t node_pairs = 0;        ///< pairs of nodes whose children were compared
   std::int64_t self_node_pairs = 0;   ///< those of a node with itself
@@ -94,11 +95,12 @@ struct SelfCollisionCounters {
 /// Thread-safe for concurrent queries; update() and rebuild() need exclusive access.
 class SelfCollisionFinder {
  public:
-  /// @param mesh       topology; must outlive the finder
+  /// @param mesh       topology; must outlive the finder: a temporary is refused
   /// @param positions  (n_vertices x 3) [m]
   /// @throws Error     when sizes differ, a position is not finite, or an option does not fit the mesh; update() and
   ///                   rebuild() likewise
   SelfCollisionFinder(const TriangleMesh& mesh, std::span<const Vec3> positions, SelfCollisionOptions options = {});
+  SelfCollisionFinder(const TriangleMesh&&, std::span<const Vec3>, SelfCollisionOptions = {}) = delete;
   ~SelfCollisionFinder();
   SelfCollisionFinder(SelfCollisionFinder&&) noexcept;
   SelfCollisionFinder& operator=(SelfCollisionFinder&&) noexcept;
