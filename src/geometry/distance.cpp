@@ -8,21 +8,35 @@
 
 namespace selvage {
 
-Vec3 closest_difference(const std::array<Vec3, 2>& a, const std::array<Vec3, 2>& b) {
-  Vec3 best = b[0] - a[0];
-  const auto take = [&best](const Vec3& difference) {
-    if (difference.squaredNorm() < best.squaredNorm()) best = difference;
+ClosestSegmentPoints closest_points(const std::array<Vec3, 2>& a, const std::array<Vec3, 2>& b) {
+  ClosestSegmentPoints best{{0, 0}, b[0] - a[0]};
+  const auto take = [&best](double place_a, double place_b, const Vec3& difference) {
+    if (difference.squaredNorm() < best.difference.squaredNorm()) best = {{place_a, place_b}, difference};
   };
-  for (const Vec3& p : a) take(closest_point_on_segment<3>(p, b[0], b[1]).point - p);
-  for (const Vec3& p : b) take(p - closest_point_on_segment<3>(p, a[0], a[1]).point);
+  for (int i = 0; i < 2; ++i) {
+    const auto closest = closest_point_on_segment<3>(a[i], b[0], b[1]);
+    take(i, closest.barycentric[1], closest.point - a[i]);
+  }
+  for (int i = 0; i < 2; ++i) {
+    const auto closest = closest_point_on_segment<3>(b[i], a[0], a[1]);
+    take(closest.barycentric[1], i, b[i] - closest.point);
+  }
   // Inside both, where they are not parallel: the one place where the distance of their lines is smallest.
   const Vec3 u = a[1] - a[0], v = b[1] - b[0], w = b[0] - a[0];
   const double uu = u.dot(u), uv = u.dot(v), vv = v.dot(v), uw = u.dot(w), vw = v.dot(w);
   const double det = uu * vv - uv * uv;
   if (!(det > 0)) return best;
   const double s = (uw * vv - uv * vw) / det, t = (uw * uv - uu * vw) / det;
-  if (s > 0 && s < 1 && t > 0 && t < 1) take(w + t * v - s * u);
+  if (s > 0 && s < 1 && t > 0 && t < 1) take(s, t, w + t * v - s * u);
   return best;
+}
+
+Vec3 closest_difference(const std::array<Vec3, 2>& a, const std::array<Vec3, 2>& b) {
+  return closest_points(a, b).difference;
+}
+
+bool is_nearer(double squared_distance, double bound) {
+  return squared_distance < bound * bound;
 }
 
 double squared_distance(const std::array<Vec3, 2>& a, const std::array<Vec3, 2>& b) {

@@ -48,8 +48,28 @@ class NearnessSearch {
     return come_near(from, middle) || come_near(middle, to);
   }
 
+  /// The beginning of the first part of the time in which the sets are not certainly apart, if it is below `before`.
+  std::optional<double> find_first(double from, double to, double before) const {
+    if (from >= before) return std::nullopt;
+    const double middle = (from + to) / 2;
+    const Vec3 across = difference_at(middle);
+    const double apart = across.norm();
+    if (apart >= distance_) {
+      if (gap_along(across, from) >= distance_ * apart && gap_along(across, to) >= distance_ * apart)
+        return std::nullopt;
+      const double reach = (to - from) / 2 * fastest_;
+      if (apart - reach > distance_) return std::nullopt;
+      if (reach <= kTolerance * distance_) return from;
+    }
+    if (to - from <= kTimeStep) return from;
+    const auto first = find_first(from, middle, before);
+    return first ? first : find_first(middle, to, before);
+  }
+
+  bool are_near(double time) const { return difference_at(time).norm() < distance_; }
+
  private:
-  static constexpr double kTolerance = 0x1p-20, kShortest = 0x1p-40;
+  static constexpr double kTolerance = 0x1p-20, kShortest = 0x1p-40, kTimeStep = 0x1p-20;
 
   Vec3 at(int i, double time) const { return (1 - time) * start_[i] + time * end_[i]; }
 
@@ -78,6 +98,12 @@ class NearnessSearch {
   double distance_ = 0, fastest_ = 0;
 };
 
+template <int kFirst>
+std::optional<double> first_nearness(const MovingPoints& points, double distance, double before) {
+  const NearnessSearch<kFirst> search(points, distance);
+  return search.are_near(0) ? (before > 0 ? std::optional(0.0) : std::nullopt) : search.find_first(0, 1, before);
+}
+
 }  // namespace
 
 bool vertex_comes_near_face(const MovingPoints& points, double distance) {
@@ -86,6 +112,14 @@ bool vertex_comes_near_face(const MovingPoints& points, double distance) {
 
 bool edge_comes_near_edge(const MovingPoints& points, double distance) {
   return distance > 0 && NearnessSearch<2>(points, distance).come_near(0, 1);
+}
+
+std::optional<double> vertex_face_nearness(const MovingPoints& points, double distance, double before) {
+  return first_nearness<1>(points, distance, before);
+}
+
+std::optional<double> edge_edge_nearness(const MovingPoints& points, double distance, double before) {
+  return first_nearness<2>(points, distance, before);
 }
 
 }  // namespace selvage

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 
 namespace selvage {
@@ -122,6 +123,86 @@ TEST(MovingDistance, DoesNotDependOnScaleOrOrder) {
       }
       ASSERT_EQ(comes_near({points.t1, points.t0}, edges, distance), expected) << n;
     }
+  }
+}
+
+std::optional<double> nearness(const MovingPoints& points, bool edges, double distance, double before = 1) {
+  return edges ? edge_edge_nearness(points, distance, before) : vertex_face_nearness(points, distance, before);
+}
+
+/// How fast a point of one set moves relative to one of the other, at most.
+double relative_speed(const MovingPoints& points, bool edges) {
+  double fastest = 0;
+  const int first = edges ? 2 : 1;
+  for (int i = 0; i < first; ++i)
+    for (int k = first; k < 4; ++k)
+      fastest = std::max(fastest, (points.t1[k] - points.t0[k] - points.t1[i] + points.t0[i]).norm());
+  return fastest;
+}
+
+TEST(Nearness, IsNoLaterThanSamplesAndHardlyEarlier) {
+  Random random;
+  std::int64_t never = 0, at_start = 0, later = 0;
+  for (std::int64_t n = 0; n < scaled(2000); ++n) {
+    const MovingPoints points = random_motion(random, n);
+    const bool edges = n % 2 == 0;
+    const double distance = n % 9 == 0 ? smallest_distance(points, edges) * (1 + 1e-7) : random.within(0.01, 1.5);
+    if (!(distance > 0)) continue;
+    const auto time = nearness(points, edges, distance);
+    for (int k = 0; k <= 400; ++k) {
+      const double t = time.value_or(1) * k / 400;
+      if (time && t >= *time) continue;
+      ASSERT_GE(distance_at(points, edges, t), distance * (1 - 1e-12) - 1e-13) << n << " " << t;
+    }
+    if (!time) {
+      ++never;
+      continue;
+    }
+    ++(*time == 0 ? at_start : later);
+    ASSERT_LE(distance_at(points, edges, *time),
+              distance * (1 + 0x1p-20) + relative_speed(points, edges) * 0x1p-20 + 1e-12)
+        << n;
+    ASSERT_EQ(nearness(points, edges, distance, *time), std::nullopt);
+    ASSERT_EQ(nearness(points, edges, distance, *time + 0x1p-20), time);
+    ASSERT_EQ(std::ldexp(*time, 20), std::floor(std::ldexp(*time, 20)));
+  }
+  EXPECT_GT(never, scaled(100));
+  EXPECT_GT(at_start, scaled(100));
+  EXPECT_GT(later, scaled(100));
+}
+
+TEST(Nearness, OfAVertexThatFallsOnAFace) {
+  MovingPoints points{{Vec3(0, 0, 1), Vec3(-9, -9, 0), Vec3(9, -9, 0), Vec3(0, 9, 0)}, {}};
+  points.t1 = points.t0;
+  points.t1[0][2] = -1;
+  EXPECT_EQ(vertex_face_nearness(points, 1.5), 0);
+  EXPECT_NEAR(vertex_face_nearness(points, 0.5).value(), 0.25, 0x1p-19);
+  EXPECT_LE(vertex_face_nearness(points, 0.5).value(), 0.25);
+  EXPECT_EQ(vertex_face_nearness(points, 0.5, 0.26), vertex_face_nearness(points, 0.5));
+  EXPECT_EQ(vertex_face_nearness(points, 0.5, 0.24), std::nullopt);
+  points.t1[0][2] = 0.5;
+  EXPECT_EQ(vertex_face_nearness(points, 0.5), std::nullopt);
+}
+
+TEST(ClosestPoints, OfSegmentsLieWhereTheirDifferenceSays) {
+  Random random;
+  for (std::int64_t n = 0; n < scaled(3000); ++n) {
+    std::array<Vec3, 2> a{random.point(1), random.point(1)}, b{random.point(1), random.point(1)};
+    if (n % 5 == 0) b[1] = b[0] + random.within(-2, 2) * (a[1] - a[0]);
+    if (n % 7 == 0) a[1] = a[0];
+    if (n % 11 == 0) b[1] = b[0];
+    const ClosestSegmentPoints closest = closest_points(a, b);
+    ASSERT_EQ(closest.difference.squaredNorm(), squared_distance(a, b));
+    ASSERT_EQ(closest.difference, closest_difference(a, b));
+    const auto at = [](const std::array<Vec3, 2>& s, double t) { return Vec3((1 - t) * s[0] + t * s[1]); };
+    for (const double place : closest.place) {
+      ASSERT_GE(place, 0);
+      ASSERT_LE(place, 1);
+    }
+    ASSERT_LT((at(b, closest.place[1]) - at(a, closest.place[0]) - closest.difference).norm(), 1e-12) << n;
+    for (int i = 0; i <= 10; ++i)
+      for (int k = 0; k <= 10; ++k)
+        ASSERT_GE((at(b, k / 10.0) - at(a, i / 10.0)).norm(), closest.difference.norm() - 1e-12) << n;
   }
 }
 

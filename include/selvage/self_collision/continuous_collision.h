@@ -30,7 +30,8 @@ struct ContinuousPairs {
   bool operator==(const ContinuousPairs&) const = default;
 };
 
-/// Statistics of a search. The same for any number of threads.
+/// Statistics of a search, counted on request: queries are concurrent, so that each hands out its own. The same for any
+/// number of threads.
 struct ContinuousCounters {
   std::int64_t node_pairs = 0;         ///< pairs of nodes whose children were compared
   std::int64_t self_node_pairs = 0;    ///< those of a node with itself
@@ -55,7 +56,7 @@ struct ContinuousCounters {
 /// Thread-safe for concurrent queries; update() and rebuild() need exclusive access.
 class ContinuousCollisionFinder {
  public:
-  /// @param mesh          topology; must outlive the finder
+  /// @param mesh          topology; must outlive the finder: a temporary is refused
   /// @param positions_t0  (n_vertices x 3) at the start of the step [m]
   /// @param positions_t1  (n_vertices x 3) at its end [m]
   /// @param options       method, filters and thickness; include_adjacent changes nothing
@@ -63,6 +64,8 @@ class ContinuousCollisionFinder {
   ///                      and rebuild() likewise
   ContinuousCollisionFinder(const TriangleMesh& mesh, std::span<const Vec3> positions_t0,
                             std::span<const Vec3> positions_t1, SelfCollisionOptions options = {});
+  ContinuousCollisionFinder(const TriangleMesh&&, std::span<const Vec3>, std::span<const Vec3>,
+                            SelfCollisionOptions = {}) = delete;
   ~ContinuousCollisionFinder();
   ContinuousCollisionFinder(ContinuousCollisionFinder&&) noexcept;
   ContinuousCollisionFinder& operator=(ContinuousCollisionFinder&&) noexcept;
@@ -89,10 +92,22 @@ class ContinuousCollisionFinder {
 
   /// The largest fraction of the step that is free of collisions: 1 where nothing meets; else the earliest time of
   /// impact, no later than the true one and at most 1e-6 earlier. 0 where something meets at the start.
-  /// @param pairs   what find_pairs() gave, where that has been asked for already
+  /// Thickness does not count: see find_separated_step().
+  /// @param pairs   the pairs that find_pairs() gave, where they are known already
   /// @throws Error  when a vertex, a face or an edge is out of range
   double find_free_step() const { return find_free_step(find_pairs()); }
   double find_free_step(const ContinuousPairs& pairs) const;
+
+  /// The largest fraction of the step during which every pair stays apart by the sum of its thickness (options): before
+  /// it no pair meets, decided exactly, and none is nearer than its thickness, up to rounding in a distance. 1 where
+  /// that holds for the whole step, 0 where it does not at the start. Never above find_free_step(), and equal to it
+  /// without thickness.
+  ///
+  /// Conservative: the true fraction may be larger, see vertex_face_nearness(). The same for any number of threads.
+  /// @param pairs   the pairs that find_pairs() gave, where they are known already
+  /// @throws Error  when a vertex, a face or an edge is out of range
+  double find_separated_step() const { return find_separated_step(find_pairs()); }
+  double find_separated_step(const ContinuousPairs& pairs) const;
 
  private:
   struct State;

@@ -8,6 +8,7 @@
 #include "self_collision/surface/search_progress.h"
 #include "self_collision/surface/swept_surface.h"
 #include "selvage/core/error.h"
+#include "selvage/geometry/moving_distance.h"
 
 #include <fmt/format.h>
 
@@ -63,6 +64,24 @@ std::optional<double> impact_of(const ContinuousInput& input, const EdgeEdgePair
   return edge_edge_impact(moving_edges(input, pair.first, pair.second), before);
 }
 
+/// The first time at which the pair meets or is nearer than its thickness.
+std::optional<double> nearness_of(const ContinuousInput& input, const VertexFacePair& pair, double before) {
+  const double thickness = thickness_of(input, pair.vertex, pair.face);
+  const MovingPoints points = moving_points(input, pair.vertex, pair.face);
+  const auto near = thickness > 0 ? vertex_face_nearness(points, thickness, before) : std::nullopt;
+  // A thickness that rounding hides does not hide an impact.
+  const auto impact = vertex_face_impact(points, near.value_or(before));
+  return impact ? impact : near;
+}
+
+std::optional<double> nearness_of(const ContinuousInput& input, const EdgeEdgePair& pair, double before) {
+  const double thickness = thickness_of_edges(input, pair.first, pair.second);
+  const MovingPoints points = moving_edges(input, pair.first, pair.second);
+  const auto near = thickness > 0 ? edge_edge_nearness(points, thickness, before) : std::nullopt;
+  const auto impact = edge_edge_impact(points, near.value_or(before));
+  return impact ? impact : near;
+}
+
 /// Calls `ask(i)` for each of `count` pairs, in parallel.
 template <typename Ask>
 void ask_pairs(std::int64_t count, SearchProgress& progress, Ask&& ask) {
@@ -82,13 +101,15 @@ std::vector<double> impact_times(const ContinuousInput& input, std::span<const P
   return times;
 }
 
-/// Lowers `earliest` to the first impact of any of the pairs; each is searched only up to the earliest so far.
-template <typename Pair>
-void find_earliest(const ContinuousInput& input, std::span<const Pair> pairs, SearchProgress& progress,
-                   std::atomic<double>& earliest) {
+/// Lowers `earliest` to the first time of any of the pairs; each is searched only up to the earliest so far.
+///
+/// @param time_of  `std::optional<double> time_of(const Pair&, double before)`
+template <typename Pair, typename TimeOf>
+void find_earliest(const std::vector<Pair>& pairs, SearchProgress& progress, std::atomic<double>& earliest,
+                   TimeOf&& time_of) {
   ask_pairs(std::ssize(pairs), progress, [&](std::int64_t i) {
     double known = earliest.load(std::memory_order_relaxed);
-    const auto time = impact_of(input, pairs[i], known);
+    const auto time = time_of(pairs[i], known);
     while (time && *time < known && !earliest.compare_exchange_weak(known, *time)) {
     }
   });
@@ -280,6 +301,18 @@ struct ContinuousCollisionFinder::State {
     return bring_together(results, counters, progress);
   }
 
+  /// The earliest time of all pairs; 1 where none has any.
+  template <typename TimeOf>
+  double find_earliest_of(const ContinuousPairs& pairs, TimeOf&& time_of) const {
+    check_pairs(mesh, pairs.vertex_face);
+    check_pairs(mesh, pairs.edge_edge);
+    SearchProgress progress(options, std::ssize(pairs.vertex_face) + std::ssize(pairs.edge_edge));
+    std::atomic<double> earliest = 1;
+    find_earliest(pairs.vertex_face, progress, earliest, time_of);
+    find_earliest(pairs.edge_edge, progress, earliest, time_of);
+    return earliest;
+  }
+
   bool do_share_vertex(const IndexPair& pair) const {
     const auto& a = mesh.triangles()[pair.first];
     const auto& b = mesh.triangles()[pair.second];
@@ -342,14 +375,15 @@ std::vector<double> ContinuousCollisionFinder::find_impact_times(std::span<const
 }
 
 double ContinuousCollisionFinder::find_free_step(const ContinuousPairs& pairs) const {
-  check_pairs(state_->mesh, pairs.vertex_face);
-  check_pairs(state_->mesh, pairs.edge_edge);
-  SearchProgress progress(state_->options, std::ssize(pairs.vertex_face) + std::ssize(pairs.edge_edge));
-  std::atomic<double> earliest = 1;
   const ContinuousInput input = state_->input();
-  find_earliest(input, std::span<const VertexFacePair>(pairs.vertex_face), progress, earliest);
-  find_earliest(input, std::span<const EdgeEdgePair>(pairs.edge_edge), progress, earliest);
-  return earliest;
+  return state_->find_earliest_of(pairs,
+                                  [&](const auto& pair, double before) { return impact_of(input, pair, before); });
+}
+
+double ContinuousCollisionFinder::find_separated_step(const ContinuousPairs& pairs) const {
+  const ContinuousInput input = state_->input();
+  return state_->find_earliest_of(pairs,
+                                  [&](const auto& pair, double before) { return nearness_of(input, pair, before); });
 }
 
 }  // namespace selvage

@@ -4,28 +4,18 @@
 
 #include "selvage/geometry/moving_distance.h"
 
-#include <algorithm>
-
 namespace selvage {
 
 namespace {
 
 bool do_meet_or_near(const ContinuousInput& input, Index vertex, Index face) {
   const MovingPoints points = moving_points(input, vertex, face);
-  if (vertex_meets_face(points)) return true;
-  const double* const thickness = input.vertex_thickness;
-  if (thickness == nullptr) return false;
-  const auto& [a, b, c] = input.triangles[face].vertices;
-  return vertex_comes_near_face(points, thickness[vertex] + std::max({thickness[a], thickness[b], thickness[c]}));
+  return vertex_meets_face(points) || vertex_comes_near_face(points, thickness_of(input, vertex, face));
 }
 
 bool do_edges_meet_or_near(const ContinuousInput& input, Index first, Index second) {
   const MovingPoints points = moving_edges(input, first, second);
-  if (edge_meets_edge(points)) return true;
-  const double* const thickness = input.vertex_thickness;
-  if (thickness == nullptr) return false;
-  const auto of = [&](const VertexTuple<2>& edge) { return std::max(thickness[edge[0]], thickness[edge[1]]); };
-  return edge_comes_near_edge(points, of(input.edges[first]) + of(input.edges[second]));
+  return edge_meets_edge(points) || edge_comes_near_edge(points, thickness_of_edges(input, first, second));
 }
 
 }  // namespace

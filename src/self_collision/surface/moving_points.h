@@ -3,6 +3,8 @@
 #include "self_collision/surface/continuous_input.h"
 #include "selvage/geometry/continuous.h"
 
+#include <algorithm>
+
 namespace selvage {
 
 inline MovingPoints moving_points(const ContinuousInput& input, const std::array<Index, 4>& vertices) {
@@ -18,6 +20,20 @@ inline MovingPoints moving_points(const ContinuousInput& input, const std::array
 inline MovingPoints moving_points(const ContinuousInput& input, Index vertex, Index face) {
   const auto& [a, b, c] = input.triangles[face].vertices;
   return moving_points(input, {vertex, a, b, c});
+}
+
+/// The sum of the thickness of a vertex and a face, or of two edges; 0 where the input has none. [m]
+inline double thickness_of(const ContinuousInput& input, Index vertex, Index face) {
+  const double* const of = input.vertex_thickness;
+  if (of == nullptr) return 0;
+  const auto& [a, b, c] = input.triangles[face].vertices;
+  return of[vertex] + std::max({of[a], of[b], of[c]});
+}
+inline double thickness_of_edges(const ContinuousInput& input, Index first, Index second) {
+  const double* const of = input.vertex_thickness;
+  if (of == nullptr) return 0;
+  const auto &a = input.edges[first], &b = input.edges[second];
+  return std::max(of[a[0]], of[a[1]]) + std::max(of[b[0]], of[b[1]]);
 }
 
 /// Two edges of the input.
