@@ -1,0 +1,195 @@
+#include "selvage/self_collision/proximity.h"
+
+#include "self_collision/surfaces.h"
+#include "selvage/core/error.h"
+#include "selvage/geometry/closest_point.h"
+#include "selvage/geometry/continuous.h"
+#include "selvage/geometry/distance.h"
+#include "test_scale.h"
+
+#include <tbb/global_control.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+namespace selvage {
+
+namespace {
+
+using surfaces::Surface;
+using test::Random;
+using test::scaled;
+using Positions = std::vector<Vec3>;
+
+static_assert(!std::is_constructible_v<ProximityFinder, TriangleMesh, std::span<const Vec3>, double>);
+static_assert(std::is_constructible_v<ProximityFinder, const TriangleMesh&, std::span<const Vec3>, double>);
+
+/// The square root, but 0 only where sets meet.
+double distance_of(double squared, bool meet) {
+  return meet ? 0 : std::max(std::sqrt(squared), std::numeric_limits<double>::denorm_min());
+}
+
+/// Every vertex with every face, every edge with every edge: (numbers, distance), 0 where they meet.
+using Measured = std::vector<std::pair<IndexPair, double>>;
+
+Measured all_vertex_faces(const TriangleMesh& mesh, const Positions& x, double distance) {
+  Measured pairs;
+  for (Index v = 0; v < mesh.vertex_count(); ++v)
+    for (Index f = 0; f < mesh.triangle_count(); ++f) {
+      const auto& [a, b, c] = mesh.triangles()[f];
+      if (mesh.vertex_triangles(v).empty() || surfaces::has_vertex(mesh.triangles()[f], v)) continue;
+      const std::array<Vec3, 4> points{x[v], x[a], x[b], x[c]};
+      const double apart = distance_of(closest_point_on_triangle(x[v], x[a], x[b], x[c]).squared_distance,
+                                       vertex_meets_face({points, points}));
+      if (apart < distance) pairs.push_back({{v, f}, apart});
+    }
+  return pairs;
+}
+
+Measured all_edges(const TriangleMesh& mesh, const Positions& x, double distance) {
+  Measured pairs;
+  for (Index e = 0; e < mesh.edge_count(); ++e)
+    for (Index f = e + 1; f < mesh.edge_count(); ++f) {
+      const auto &a = mesh.edges()[e], &b = mesh.edges()[f];
+      if (surfaces::has_vertex(a, b[0]) || surfaces::has_vertex(a, b[1])) continue;
+      const std::array<Vec3, 4> points{x[a[0]], x[a[1]], x[b[0]], x[b[1]]};
+      const double squared = squared_distance(std::array{points[0], points[1]}, std::array{points[2], points[3]});
+      const double apart = distance_of(squared, edge_meets_edge({points, points}));
+      if (apart < distance) pairs.push_back({{e, f}, apart});
+    }
+  return pairs;
+}
+
+Measured numbers_of(const std::vector<NearVertexFace>& pairs) {
+  Measured result;
+  for (const NearVertexFace& pair : pairs) result.push_back({{pair.vertex, pair.face}, pair.distance});
+  return result;
+}
+
+Measured numbers_of(const std::vector<NearEdges>& pairs) {
+  Measured result;
+  for (const NearEdges& pair : pairs) result.push_back({{pair.first, pair.second}, pair.distance});
+  return result;
+}
+
+/// Nearest points lie where they are said to, and as far apart as they are said to.
+void expect_consistent(const NearPairs& pairs, const TriangleMesh& mesh, const Positions& x) {
+  for (const NearVertexFace& pair : pairs.vertex_face) {
+    const auto& t = mesh.triangles()[pair.face];
+    const Vec3 point = pair.barycentric[0] * x[t[0]] + pair.barycentric[1] * x[t[1]] + pair.barycentric[2] * x[t[2]];
+    ASSERT_LT((point - pair.nearest[1]).norm(), 1e-12);
+    ASSERT_EQ(pair.nearest[0], x[pair.vertex]);
+    ASSERT_NEAR((pair.nearest[0] - pair.nearest[1]).norm(), pair.distance, 1e-12);
+  }
+  for (const NearEdges& pair : pairs.edge_edge) {
+    for (int i = 0; i < 2; ++i) {
+      const auto& e = mesh.edges()[i == 0 ? pair.first : pair.second];
+      ASSERT_LT(((1 - pair.place[i]) * x[e[0]] + pair.place[i] * x[e[1]] - pair.nearest[i]).norm(), 1e-12);
+      ASSERT_GE(pair.place[i], 0);
+      ASSERT_LE(pair.place[i], 1);
+    }
+    // Of nearly parallel edges the places are known less well than the distance.
+    ASSERT_NEAR((pair.nearest[0] - pair.nearest[1]).norm(), pair.distance, 1e-6);
+  }
+}
+
+class Proximity : public testing::TestWithParam<surfaces::Family> {};
+INSTANTIATE_TEST_SUITE_P(All, Proximity, testing::ValuesIn(surfaces::families()),
+                         [](const auto& family) { return family.param.name; });
+
+TEST_P(Proximity, FindsWhatAllPairsOneByOneGive) {
+  Random random(31);
+  for (std::int64_t n = 0; n < scaled(12); ++n) {
+    const Surface surface = GetParam().make(random);
+    const TriangleMesh mesh = surface.mesh();
+    // Distances that lattices have exactly, too: these pairs are no nearer than that.
+    const double distance = n % 3 == 0 ? 1 : random.within(0.01, 1.5);
+    const NearPairs pairs = ProximityFinder(mesh, surface.positions, distance).find_pairs();
+    ASSERT_EQ(numbers_of(pairs.vertex_face), all_vertex_faces(mesh, surface.positions, distance)) << n;
+    ASSERT_EQ(numbers_of(pairs.edge_edge), all_edges(mesh, surface.positions, distance)) << n;
+    ASSERT_NO_FATAL_FAILURE(expect_consistent(pairs, mesh, surface.positions)) << n;
+  }
+}
+
+TEST_P(Proximity, UpdateGivesWhatANewFinderGives) {
+  Random random(32);
+  for (std::int64_t n = 0; n < scaled(4); ++n) {
+    const Surface surface = GetParam().make(random);
+    const TriangleMesh mesh = surface.mesh();
+    ProximityFinder finder(mesh, surface.positions, 0.3);
+    for (const double amount : {0.1, 1.0, 1e6}) {
+      const Surface moved = surfaces::jittered(surface, amount, random);
+      finder.update(moved.positions);
+      const NearPairs pairs = finder.find_pairs(), expected = ProximityFinder(mesh, moved.positions, 0.3).find_pairs();
+      ASSERT_EQ(numbers_of(pairs.vertex_face), numbers_of(expected.vertex_face));
+      ASSERT_EQ(numbers_of(pairs.edge_edge), numbers_of(expected.edge_edge));
+    }
+  }
+}
+
+TEST(ProximityByHand, TwoTrianglesAboveEachOther) {
+  const TriangleMesh mesh(6, {{0, 1, 2}, {3, 4, 5}});
+  const Positions x{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, 0.25}, {1, 1, 2}, {2, 1, 2}};
+  const NearPairs pairs = ProximityFinder(mesh, x, 0.5).find_pairs();
+  ASSERT_EQ(pairs.vertex_face.size(), 1u);
+  EXPECT_EQ(pairs.vertex_face[0].vertex, 3);
+  EXPECT_EQ(pairs.vertex_face[0].face, 0);
+  EXPECT_EQ(pairs.vertex_face[0].distance, 0.25);
+  EXPECT_EQ(pairs.vertex_face[0].nearest[1], Vec3(1, 1, 0));
+  EXPECT_EQ(pairs.vertex_face[0].barycentric, (std::array{0.5, 0.25, 0.25}));
+  EXPECT_TRUE(pairs.edge_edge.empty());
+  EXPECT_TRUE(ProximityFinder(mesh, x, 0.25).find_pairs().empty());
+  EXPECT_FALSE(ProximityFinder(mesh, x, 0.25 * (1 + 0x1p-52)).find_pairs().empty());
+}
+
+TEST(ProximityByHand, WhatMeetsIsAtDistanceZero) {
+  const TriangleMesh mesh(6, {{0, 1, 2}, {3, 4, 5}});
+  const Positions x{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, 0}, {1, 1, 2}, {2, 1, 2}};
+  const NearPairs pairs = ProximityFinder(mesh, x, 1e-9).find_pairs();
+  ASSERT_EQ(pairs.vertex_face.size(), 1u);
+  EXPECT_EQ(pairs.vertex_face[0].distance, 0);
+}
+
+TEST(ProximityByHand, FiltersApply) {
+  const TriangleMesh mesh(6, {{0, 1, 2}, {3, 4, 5}});
+  const Positions x{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, 0.25}, {1, 1, 2}, {2, 1, 2}};
+  PairFilters filters;
+  filters.forbidden_pairs = {{0, 1}};
+  EXPECT_TRUE(ProximityFinder(mesh, x, 0.5, filters).find_pairs().empty());
+}
+
+TEST(ProximityByHand, SameBitsForAnyNumberOfThreads) {
+  Random random(33);
+  const Surface sheet = surfaces::jittered(surfaces::sheet(40, 40, random), 0.6, random);
+  const TriangleMesh mesh = sheet.mesh();
+  const ProximityFinder finder(mesh, sheet.positions, 0.2);
+  const auto with_threads = [&](std::size_t count) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, count);
+    const NearPairs pairs = finder.find_pairs();
+    return std::pair(numbers_of(pairs.vertex_face), numbers_of(pairs.edge_edge));
+  };
+  const auto one = with_threads(1);
+  EXPECT_GT(one.first.size() + one.second.size(), 100u);
+  EXPECT_EQ(with_threads(2), one);
+  EXPECT_EQ(with_threads(4), one);
+}
+
+TEST(ProximityByHand, RefusesBadInput) {
+  const TriangleMesh mesh(3, {{0, 1, 2}});
+  const Positions x{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  EXPECT_THROW(ProximityFinder(mesh, x, 0), Error);
+  EXPECT_THROW(ProximityFinder(mesh, x, std::numeric_limits<double>::infinity()), Error);
+  EXPECT_THROW(ProximityFinder(mesh, std::span(x).first(2), 1), Error);
+  ProximityFinder finder(mesh, x, 1);
+  Positions broken = x;
+  broken[1][0] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(finder.update(broken), Error);
+  EXPECT_TRUE(finder.find_pairs().empty());
+}
+
+}  // namespace
+}  // namespace selvage
