@@ -117,7 +117,7 @@ using TetMesh = SimplexMesh<3>;
 using PlanarMesh = SimplexMesh<2>;
 
 template <>
-inline TetMesh::Face TetMesh::face_of(const Element& e, int face) {
+inline SimplexMesh<3>::Face SimplexMesh<3>::face_of(const Element& e, int face) {
   switch (face) {
     case 0:
       return {e[1], e[2], e[3]};
@@ -131,7 +131,7 @@ inline TetMesh::Face TetMesh::face_of(const Element& e, int face) {
 }
 
 template <>
-inline PlanarMesh::Face PlanarMesh::face_of(const Element& e, int face) {
+inline SimplexMesh<2>::Face SimplexMesh<2>::face_of(const Element& e, int face) {
   switch (face) {
     case 0:
       return {e[1], e[2]};
