@@ -293,7 +293,7 @@ TEST(Run, NamesTheElementThatHandlesInvert) {
                    "motion": {"keyframes": [{"time": 0}, {"time": 0.1, "translate": [0, 0, -2]}]}}]}]})";
   const RunReport report = run_scene(parse_scene(text, "press.json"), to(folder.path()));
   EXPECT_EQ(report.outcome, RunOutcome::kImpossibleHandles);
-  EXPECT_NE(report.message.find("frame 4: handles turn element"), std::string::npos) << report.message;
+  EXPECT_NE(report.message.find("frame 4: handles invert element"), std::string::npos) << report.message;
   EXPECT_EQ(report.frames.back().frame, 3);
 }
 
