@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/simd/simd_double.h"
+#include "core/simd/vec3.h"
 #include "simulation/xpbd/material_kernel.h"
 
 #include <span>
@@ -8,7 +9,7 @@
 namespace selvage {
 inline namespace SELVAGE_ISA {
 
-using Wide3 = WideDouble[3];
+using Wide3 = LaneVec3<WideDouble>;
 
 /// Squared strain below which an element counts as at rest: the rounding of a sum of a few numbers near 1, squared.
 inline constexpr double kMinSquaredStrain = 1e-30;
@@ -17,16 +18,6 @@ inline constexpr double kMinDenominator = 1e-100;
 
 SELVAGE_INLINE WideDouble constant(double x) {
   return WideDouble::broadcast(x);
-}
-
-SELVAGE_INLINE WideDouble dot(const Wide3& a, const Wide3& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-SELVAGE_INLINE void cross(const Wide3& a, const Wide3& b, Wide3& r) {
-  r[0] = a[1] * b[2] - a[2] * b[1];
-  r[1] = a[2] * b[0] - a[0] * b[2];
-  r[2] = a[0] * b[1] - a[1] * b[0];
 }
 
 /// The vertices of the block that is being solved, and those that stand in for missing ones.
@@ -129,13 +120,13 @@ struct Corners {
 
 /// Twice the areas of the faces at vertex 0, as vectors: the gradients of six volumes.
 SELVAGE_INLINE void list_areas(const Wide3 (&edges)[3], Wide3 (&areas)[3]) {
-  cross(edges[1], edges[2], areas[0]);
-  cross(edges[2], edges[0], areas[1]);
-  cross(edges[0], edges[1], areas[2]);
+  areas[0] = cross(edges[1], edges[2]);
+  areas[1] = cross(edges[2], edges[0]);
+  areas[2] = cross(edges[0], edges[1]);
 }
 
-SELVAGE_INLINE void add_up(const Wide3 (&a)[3], Wide3& r) {
-  for (int i = 0; i < 3; ++i) r[i] = a[0][i] + a[1][i] + a[2][i];
+SELVAGE_INLINE Wide3 sum_of(const Wide3 (&a)[3]) {
+  return a[0] + a[1] + a[2];
 }
 
 /// How a constraint of the element moves with the vertices: the gradients of all four weighed by inverse mass.
@@ -294,7 +285,7 @@ class ElementSolver {
   SELVAGE_INLINE void end_deviatoric(Elements& of) const {
     auto& [edges, gradients, sum, residual, rate, squared, value, scale] = of.constraint;
     if constexpr (kDamped) rate = damp(of);
-    add_up(gradients, sum);
+    sum = sum_of(gradients);
     const WideDouble stiffness = weigh_gradients(of.corners, gradients, sum);
     const WideDouble compliance = deviatoric_ * of.inverse_volume();
     double* const multiplier = of.batch.multipliers[0] + of.part;
@@ -320,7 +311,7 @@ class ElementSolver {
   SELVAGE_INLINE void end_hydrostatic(Elements& of) const {
     auto& [edges, areas, sum, residual, rate, squared, value, scale] = of.constraint;
     const WideDouble inverse_volume = of.inverse_volume();
-    add_up(areas, sum);
+    sum = sum_of(areas);
     const WideDouble stiffness = inverse_volume * inverse_volume * weigh_gradients(of.corners, areas, sum);
     const WideDouble denominator = (kDamped ? share_ * stiffness : stiffness) + hydrostatic_compliance(of) +
                                    constant(0.25) * (residual * residual) * of.weight;
