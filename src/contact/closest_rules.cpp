@@ -14,8 +14,8 @@ namespace selvage {
 
 namespace {
 
-/// A rounded barycentric point may lie outside its element; a step towards the middle, far above rounding and far below
-/// what anybody sees, takes it in again.
+/// Step towards the middle of an element by which a point, rounded to lie outside, is inside again: far above rounding,
+/// and too small to be seen.
 constexpr double kInward = 1e-9;
 
 /// Where a point is in an element, as weights of its vertices; nothing where that is flat.

@@ -10,7 +10,7 @@ namespace selvage {
 
 namespace {
 
-/// How far the ends of two parts that meet may lie apart, as they are rounded.
+/// Gap by which rounding may separate the ends of two parts that meet.
 constexpr double kSlack = 1e-9;
 
 bool are_connected(const TetMesh& mesh, const ElementPart& a, const ElementPart& b) {

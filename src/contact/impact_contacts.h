@@ -19,8 +19,8 @@ struct SurfaceStep {
 /// side that the vertex comes from: against its velocity relative to the face. Where they touch at the start of the
 /// step, or the vertex only grazes the face, that is the outer side. Of a face that is flat then, the normal points to
 /// where the vertex started; nothing where it started there. Where another triangle of the vertex rises steeply through
-/// the plane of the face, the normal is against the closest of those triangles instead: it is lifted off,
-/// not held back.
+/// the plane of the face, the normal is against the closest of those triangles instead: it lifts the vertex off, and
+/// does not stop it.
 std::optional<Contact> vertex_face_contact(const SurfaceStep& step, VertexFacePair pair, double time);
 
 /// The contact of two edges that run into each other at the given time: the first is the point, the second the

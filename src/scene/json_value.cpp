@@ -44,7 +44,7 @@ std::string quoted_text(const std::string& text) {
   return Json(text.substr(0, kMaxShown)).dump(-1, ' ', true, Json::error_handler_t::replace);
 }
 
-/// What the parser says, without its name and number of the error.
+/// The parser's message, without its name and the number of the error.
 std::string plain_message(const std::exception& error) {
   const std::string text = error.what();
   const std::size_t end = text.find("] ");
@@ -68,7 +68,7 @@ class PlaceInText {
     if (event == Event::object_end || event == Event::array_end) levels_.pop_back();
     const bool begins = event == Event::object_start || event == Event::array_start;
     if (begins) levels_.push_back({event == Event::array_start, 0, {}, {}});
-    // An item is over; what begins is over when it has ended.
+    // An item has ended; an object or array that begins has not.
     if (!begins && !levels_.empty()) ++levels_.back().item;
   }
 

@@ -39,8 +39,10 @@ ColliderDescription read_collider(const JsonValue& value, const std::filesystem:
   JsonObject object(value);
   ColliderDescription result;
   const auto [kind, chosen] = object.get_one_of(kShapes);
-  if (const auto v = object.find("static_friction")) result.collider.friction.static_coefficient = v->number(kNotNegative);
-  if (const auto v = object.find("dynamic_friction")) result.collider.friction.dynamic_coefficient = v->number(kNotNegative);
+  if (const auto v = object.find("static_friction"))
+    result.collider.friction.static_coefficient = v->number(kNotNegative);
+  if (const auto v = object.find("dynamic_friction"))
+    result.collider.friction.dynamic_coefficient = v->number(kNotNegative);
   if (const auto v = object.find("motion")) result.collider.motion = read_motion(*v);
   if (kShapes[kind] == "mesh") {
     result.mesh = read_mesh_source(chosen, folder);

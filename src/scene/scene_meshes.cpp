@@ -1,4 +1,4 @@
-// Reads where a scene's meshes come from and where they stand.
+// Reads the sources of a scene's meshes, and their placement.
 #include "scene/scene_description.h"
 
 #include <fmt/format.h>
@@ -104,7 +104,7 @@ std::vector<Placement> read_list(const JsonValue& value) {
   return places;
 }
 
-/// Shifts and turns each copy by chance: the same seed gives the same bits everywhere.
+/// Shifts and turns each copy at random: the same seed gives the same bits on every machine.
 void jitter(const JsonValue& value, std::vector<Placement>& places) {
   JsonObject object(value);
   double shift = 0, turn = 0;

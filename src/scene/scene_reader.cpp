@@ -147,7 +147,7 @@ Json choose_scale(Json document, const std::string& file, std::string_view scale
   return document;
 }
 
-/// The document without what does not change the course of a run.
+/// The document without members that do not change a run.
 std::string canonical_text(Json document) {
   for (const char* key : {"frames", "description", "$schema"}) document.erase(key);
   return nlohmann::json(document).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
@@ -201,8 +201,10 @@ void read_contact(const JsonValue& value, SceneDescription& scene) {
   if (const auto v = object.find("rule")) contact.rule = static_cast<ClosestPointRule>(v->choice(kRules));
   if (const auto v = object.find("edges")) contact.detect_edges = v->boolean();
   if (const auto v = object.find("interior_points")) contact.interior_points = v->boolean();
-  if (const auto v = object.find("static_friction")) scene.options.friction.static_coefficient = v->number(kNotNegative);
-  if (const auto v = object.find("dynamic_friction")) scene.options.friction.dynamic_coefficient = v->number(kNotNegative);
+  if (const auto v = object.find("static_friction"))
+    scene.options.friction.static_coefficient = v->number(kNotNegative);
+  if (const auto v = object.find("dynamic_friction"))
+    scene.options.friction.dynamic_coefficient = v->number(kNotNegative);
   if (const auto v = object.find("from_frame")) scene.contact_from_frame = v->integer(0, 1'000'000);
   object.refuse_others();
 }

@@ -36,7 +36,7 @@ constexpr std::array kColumns{
     Column{"inverted_elements", &Row::inverted_elements},
     Column{"kinetic_energy", &Row::kinetic_energy},
     Column{"fastest", &Row::fastest},
-    // From here on: what it cost.
+    // Costs follow.
     Column{"volumes", &Row::volumes},
     Column{"traversals", &Row::traversals},
     Column{"path_elements", &Row::path_elements},
