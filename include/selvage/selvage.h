@@ -3,6 +3,8 @@
 /// All public headers, from the lowest to the highest. Each may be included alone, too.
 
 #include "selvage/boundary_path/boundary_path.h"
+#include "selvage/boundary_path/path_query.h"
+#include "selvage/boundary_path/point_locator.h"
 #include "selvage/contact/contact.h"
 #include "selvage/contact/contact_finder.h"
 #include "selvage/contact/friction.h"

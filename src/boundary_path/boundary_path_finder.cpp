@@ -1,10 +1,10 @@
-#include "boundary_path/injectivity/deformed_mesh.h"
+#include "selvage/boundary_path/boundary_path.h"
+
 #include "boundary_path/injectivity/vertex_proof.h"
-#include "boundary_path/location/containment.h"
 #include "boundary_path/location/group_order.h"
+#include "boundary_path/location/locator_state.h"
 #include "boundary_path/packets/path_kernel.h"
 #include "boundary_path/search/boundary_corner.h"
-#include "bvh/traverse.h"
 #include "core/isa.h"
 #include "core/parallel.h"
 #include "core/simd/simd.h"
@@ -44,60 +44,19 @@ double length_of(const Vec<D>& x) {
     return std::hypot(x[0], x[1], x[2]);
 }
 
-/// Multiplies by a power of two: by two factors, since the power itself may overflow.
-class Scaling {
- public:
-  Scaling() = default;
-  explicit Scaling(int exponent)
-      : half_(std::ldexp(1.0, exponent / 2)), rest_(std::ldexp(1.0, exponent - exponent / 2)) {}
-
-  template <typename T>
-  T operator()(const T& x) const {
-    return x * half_ * rest_;
-  }
-
- private:
-  double half_ = 1, rest_ = 1;
-};
-
-/// The mesh itself: one that was made by default has nothing to be searched.
-/// @throws Error  when it has no element
-template <int D>
-const SimplexMesh<D>& with_elements(const SimplexMesh<D>& mesh) {
-  if (mesh.element_count() == 0) throw Error("mesh", "there is no element", "give at least one");
-  return mesh;
-}
-
 }  // namespace
 
 template <int D>
 struct BoundaryPathFinder<D>::State {
-  const SimplexMesh<D>& mesh;
   PathOptions options;
-  PathTopology<D> topology;
-  DeformedMesh<D> pose;
-  ContainmentSearch<D> containment;
-  Scaling to_internal, from_internal;
+  PointLocator<D> locator;
+  LocatorState<D>& located;
+  const SimplexMesh<D>& mesh = located.mesh;
+  const PathTopology<D>& topology = located.topology;
+  DeformedMesh<D>& pose = located.pose;
 
-  State(const SimplexMesh<D>& m, std::span<const Vec<D>> positions, PathOptions o)
-      : mesh(with_elements(m)), options(o), topology(m), pose(m, topology), containment(m, pose, pose.elements()) {
-    rebuild(positions);
-  }
-
-  void update_elements(std::span<const Vec<D>> positions) {
-    if (pose.update_elements(positions)) containment.rebuild();
-    take_scale();
-  }
-
-  void rebuild(std::span<const Vec<D>> positions) {
-    pose.rebuild(positions);
-    containment.rebuild();
-    take_scale();
-  }
-
-  void take_scale() {
-    to_internal = Scaling(-pose.exponent());
-    from_internal = Scaling(pose.exponent());
+  State(LocatorState<D>& state, PointLocator<D> l, PathOptions o) : options(o), locator(std::move(l)), located(state) {
+    pose.update_faces();
   }
 
   PathInput<D> input() const { return pose.path_input(options); }
@@ -107,16 +66,12 @@ struct BoundaryPathFinder<D>::State {
   void check_faces() const {
     if (!pose.has_faces())
       throw Error("boundary faces", "their hierarchy is of another pose",
-                  "call update_faces() after update_elements()");
+                  "call update() of the finder after that of its locator");
   }
   void check(std::span<const PathQuery<D>> queries, std::span<const Index> warm_start, std::size_t counters) const;
   std::vector<Index> order_in_groups(std::span<const PathQuery<D>> queries) const;
   void describe(const PathTask<D>& task, const PathResult<D>& result, BoundaryPath<D>& path) const;
   void set_normal(Index face, const PathResult<D>& result, Vec<D>& unit) const;
-  bool is_skipped(Index element) const;
-  Box box_around(const std::array<Vec<D>, 2>& corners) const {
-    return pose.box_around(to_internal(corners[0]), to_internal(corners[1]));
-  }
 };
 
 template <int D>
@@ -171,7 +126,7 @@ std::vector<Index> BoundaryPathFinder<D>::State::order_in_groups(std::span<const
     }
     for (std::size_t k = 0; k < some.size(); ++k) {
       PlacePair& place = places[first + k];
-      const Vec<D> p = to_internal(some[k].point) - pose.frame().origin;
+      const Vec<D> p = located.to_internal(some[k].point) - pose.frame().origin;
       for (int i = 0; i < D; ++i) {
         place[0][i] = static_cast<float>(p[i]);
         if (near[k] != kNone) place[1][i] = pose.rounded_positions()[near[k]][i];
@@ -218,24 +173,23 @@ void BoundaryPathFinder<D>::State::describe(const PathTask<D>& task, const PathR
   for (int i = 0; i < result.target_count; ++i)
     path.barycentric[std::find(ids.begin(), ids.end(), result.target_vertices[i]) - ids.begin()] =
         result.barycentric[i];
-  path.point = from_internal(result.target_count == 1 ? pose.positions()[result.target_vertices[0]]
-                                                      : Vec<D>(task.query.point + result.offset));
-  path.distance = from_internal(length_of<D>(result.offset));
+  path.point = located.from_internal(result.target_count == 1 ? pose.positions()[result.target_vertices[0]]
+                                                              : Vec<D>(task.query.point + result.offset));
+  path.distance = located.from_internal(length_of<D>(result.offset));
   set_normal(result.face, result, path.normal);
-}
-
-/// Whether DCD leaves the element out: inverted, and on the boundary (SPB section 3.5).
-template <int D>
-bool BoundaryPathFinder<D>::State::is_skipped(Index element) const {
-  if (pose.defects().inverted_elements == 0) return false;
-  const auto& across = mesh.neighbours()[element];
-  return std::any_of(across.begin(), across.end(), [](Index n) { return n < 0; }) && pose.orientation_of(element) < 0;
 }
 
 template <int D>
 BoundaryPathFinder<D>::BoundaryPathFinder(const SimplexMesh<D>& mesh, std::span<const Vec<D>> positions,
-                                          PathOptions options)
-    : state_(std::make_unique<State>(mesh, positions, options)) {}
+                                          PathOptions options) {
+  PointLocator<D> locator(mesh, positions);
+  LocatorState<D>& located = *locator.state_;
+  state_ = std::make_unique<State>(located, std::move(locator), options);
+}
+
+template <int D>
+BoundaryPathFinder<D>::BoundaryPathFinder(PointLocator<D>& locator, PathOptions options)
+    : state_(std::make_unique<State>(*locator.state_, PointLocator<D>(locator.state_), options)) {}
 
 template <int D>
 BoundaryPathFinder<D>::~BoundaryPathFinder() = default;
@@ -246,31 +200,27 @@ BoundaryPathFinder<D>& BoundaryPathFinder<D>::operator=(BoundaryPathFinder&&) no
 
 template <int D>
 void BoundaryPathFinder<D>::update(std::span<const Vec<D>> positions) {
-  state_->update_elements(positions);
+  state_->located.update(positions);
   state_->pose.update_faces();
 }
 
 template <int D>
-void BoundaryPathFinder<D>::update_elements(std::span<const Vec<D>> positions) {
-  state_->update_elements(positions);
-}
-
-template <int D>
-void BoundaryPathFinder<D>::update_faces() {
+void BoundaryPathFinder<D>::update() {
   state_->pose.update_faces();
 }
 
 template <int D>
 void BoundaryPathFinder<D>::rebuild(std::span<const Vec<D>> positions) {
-  state_->rebuild(positions);
+  state_->located.rebuild(positions);
+  state_->pose.update_faces();
 }
 
 template <int D>
-const MeshDefects& BoundaryPathFinder<D>::defects() const {
-  return state_->pose.defects();
+const PointLocator<D>& BoundaryPathFinder<D>::locator() const {
+  return state_->locator;
 }
 
-/// What is asked, in the order of the searches, and where the answers go.
+/// Queries in the order of the searches, and where the answers go.
 template <int D>
 struct PathWork {
   std::span<const PathQuery<D>> queries;
@@ -299,7 +249,7 @@ class BoundaryPathFinder<D>::State::Batches final : public PathBatches<D> {
     counters_.assign(work_.counters.empty() ? 0 : share_.size(), {});
     for (std::size_t i = 0; i < share_.size(); ++i) {
       tasks_[i].query = work_.queries[share_[i]];
-      for (double& x : tasks_[i].query.point) x = state_.to_internal(x);
+      for (double& x : tasks_[i].query.point) x = state_.located.to_internal(x);
       tasks_[i].warm_start = work_.warm_start.empty() ? kNone : work_.warm_start[share_[i]];
     }
     return {tasks_, results_.data(), counters_.empty() ? nullptr : counters_.data()};
@@ -350,91 +300,15 @@ std::vector<BoundaryPath<D>> BoundaryPathFinder<D>::find_paths(std::span<const P
 }
 
 template <int D>
-std::vector<PathQuery<D>> BoundaryPathFinder<D>::find_penetrating_vertices() const {
-  std::vector<PathQuery<D>> queries;
-  for (const auto& [vertex, element] : state_->containment.find_boundary_vertices())
-    if (!state_->is_skipped(element))
-      queries.push_back({state_->from_internal(state_->pose.positions()[vertex]), element, {vertex, kNone}});
-  return queries;
+BoundaryPath<D> BoundaryPathFinder<D>::find_path(const PathQuery<D>& query, Index warm_start) const {
+  return find_paths(std::span(&query, 1), std::span(&warm_start, 1)).front();
 }
 
 template <int D>
-typename BoundaryPathFinder<D>::Located BoundaryPathFinder<D>::locate(std::span<const Vec<D>> points) const {
-  std::vector<Vec<D>> scaled(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!points[i].allFinite())
-      throw Error(fmt::format("point {}", i), "a coordinate is not finite", "remove NaN and infinity");
-    scaled[i] = state_->to_internal(points[i]);
-  }
-  Located located;
-  located.first.assign(points.size() + 1, 0);
-  for (const auto& [point, element] : state_->containment.find_points(scaled)) {
-    located.queries.push_back({points[point], element, {kNone, kNone}});
-    ++located.first[point + 1];
-  }
-  std::partial_sum(located.first.begin(), located.first.end(), located.first.begin());
-  return located;
-}
-
-template <int D>
-std::vector<PathQuery<D>> BoundaryPathFinder<D>::locate_vertices(std::span<const Index> vertices) const {
-  for (const Index v : vertices)
-    if (v < 0 || v >= state_->mesh.vertex_count())
-      throw Error(fmt::format("vertex {}", v), "there is no such vertex",
-                  fmt::format("vertices lie in [0, {})", state_->mesh.vertex_count()));
-  std::vector<PathQuery<D>> queries;
-  for (const auto& [vertex, element] : state_->containment.find_vertices(vertices))
-    queries.push_back({state_->from_internal(state_->pose.positions()[vertex]), element, {vertex, kNone}});
-  return queries;
-}
-
-namespace {
-
-/// Primitives of a hierarchy whose boxes meet each of some boxes.
-template <typename BoxOf>
-auto find_near(const Bvh& bvh, std::int64_t count, BoxOf&& box_of, auto nearby) {
-  constexpr std::int64_t kAtOnce = 64;
-  std::vector<std::vector<Index>> pieces((count + kAtOnce - 1) / kAtOnce);
-  nearby.first.assign(count + 1, 0);
-  parallel_for(std::ssize(pieces), 1, [&](std::int64_t k) {
-    for (std::int64_t i = k * kAtOnce; i < std::min((k + 1) * kAtOnce, count); ++i) {
-      const std::size_t before = pieces[k].size();
-      visit_overlaps(bvh.nodes(), box_of(i), [&](Index primitive) { pieces[k].push_back(primitive); });
-      nearby.first[i + 1] = static_cast<std::int64_t>(pieces[k].size() - before);
-    }
-  });
-  std::partial_sum(nearby.first.begin(), nearby.first.end(), nearby.first.begin());
-  nearby.found.reserve(nearby.first.back());
-  for (const auto& piece : pieces) nearby.found.insert(nearby.found.end(), piece.begin(), piece.end());
-  return nearby;
-}
-
-}  // namespace
-
-template <int D>
-typename BoundaryPathFinder<D>::Nearby BoundaryPathFinder<D>::find_elements_near(
-    std::span<const std::array<Vec<D>, 2>> boxes) const {
-  return find_near(
-      state_->pose.elements(), std::ssize(boxes), [&](std::int64_t i) { return state_->box_around(boxes[i]); },
-      Nearby());
-}
-
-template <int D>
-typename BoundaryPathFinder<D>::Nearby BoundaryPathFinder<D>::find_faces_near(
-    std::span<const std::array<Vec<D>, 2>> boxes) const {
+NearbyItems BoundaryPathFinder<D>::find_faces_near(std::span<const std::array<Vec<D>, 2>> boxes) const {
   state_->check_faces();
-  return find_near(
-      state_->pose.faces(), std::ssize(boxes), [&](std::int64_t i) { return state_->box_around(boxes[i]); }, Nearby());
-}
-
-template <int D>
-std::span<const Index> BoundaryPathFinder<D>::defective_elements() const {
-  return state_->pose.defective_elements();
-}
-
-template <int D>
-std::span<const std::uint8_t> BoundaryPathFinder<D>::locally_injective_vertices() const {
-  return state_->pose.settled();
+  return find_near(state_->pose.faces(), std::ssize(boxes),
+                   [&](std::int64_t i) { return state_->located.box_around(boxes[i]); });
 }
 
 template class BoundaryPathFinder<2>;

@@ -116,7 +116,7 @@ void ContactFinder::State::begin_step(std::span<const Vec3> positions) {
   positions_t0.assign(positions.begin(), positions.end());
   if (splits()) split_features();
   if (!options.wait_for_inverted) return;
-  inverted = splits() ? InvertedVertices(mesh, positions_t0, search->paths().defective_elements())
+  inverted = splits() ? InvertedVertices(mesh, positions_t0, search->locator().defective_elements())
                       : InvertedVertices(mesh, positions_t0);
 }
 

@@ -13,7 +13,7 @@ PenetratingPoint penetrating_vertex(Index vertex, Index element, std::span<const
           .count = 1,
           .vertices = {vertex},
           .weights = {1},
-          .query = {positions[vertex], element, {vertex, kNone}}};
+          .query = PathQuery<3>::of_vertex(vertex, positions[vertex], element)};
 }
 
 PenetratingPoint penetrating_edge(Index edge, const VertexTuple<2>& vertices, double middle, Index element,
@@ -25,7 +25,7 @@ PenetratingPoint penetrating_edge(Index edge, const VertexTuple<2>& vertices, do
           .count = 2,
           .vertices = {a, b},
           .weights = {1 - middle, middle},
-          .query = {point, element, {a, b}}};
+          .query = PathQuery<3>::of_edge(vertices, point, element)};
 }
 
 PenetratingPoint penetrating_centroid(Index of_element, const VertexTuple<4>& vertices, Index element,
@@ -37,7 +37,7 @@ PenetratingPoint penetrating_centroid(Index of_element, const VertexTuple<4>& ve
           .count = 4,
           .vertices = vertices,
           .weights = {0.25, 0.25, 0.25, 0.25},
-          .query = {sum / 4, element}};
+          .query = PathQuery<3>::at(sum / 4, element)};
 }
 
 Contact path_contact(const TetMesh& mesh, const PenetratingPoint& point, const BoundaryPath<3>& path) {

@@ -48,7 +48,8 @@ PenetrationSearch::PenetrationSearch(const TetMesh& mesh, const TriangleMesh& su
       vertex_count_(static_cast<Index>(mesh.boundary_vertices().size())),
       boundary_place_(mesh.vertex_count(), kNone),
       positions_(positions.begin(), positions.end()),
-      paths_(mesh, positions, options),
+      locator_(mesh, positions),
+      paths_(locator_, options),
       collisions_(surface, positions),
       is_suspect_(surface.triangle_count(), 0) {
   for (Index i = 0; i < vertex_count_; ++i) boundary_place_[vertex_of(i)] = i;
@@ -71,7 +72,7 @@ void PenetrationSearch::list_surface_pieces() {
 
 void PenetrationSearch::place(std::span<const Vec3> positions) {
   positions_.assign(positions.begin(), positions.end());
-  paths_.update_elements(positions);
+  locator_.update(positions);
   collisions_placed_ = false;
 }
 
@@ -97,9 +98,9 @@ void PenetrationSearch::suspect_crossings(PenetrationCounters& counters) {
 /// Faces at inverted elements, and at vertices whose elements may overlap each other.
 void PenetrationSearch::suspect_defects() {
   std::vector<Extent> defects;
-  for (const Index e : paths_.defective_elements()) defects.push_back(extent_of(mesh_.elements()[e], positions_));
+  for (const Index e : locator_.defective_elements()) defects.push_back(extent_of(mesh_.elements()[e], positions_));
   if (!defects.empty()) {
-    paths_.update_faces();
+    paths_.update();
     for (const Index face : paths_.find_faces_near(defects).found) suspect(face);
   }
   const auto boundary = mesh_.boundary_vertices();
@@ -109,7 +110,7 @@ void PenetrationSearch::suspect_defects() {
 /// Of some vertices, those whose elements may overlap, though all were positive. The path finder knows most locally
 /// injective vertices already. Of the others, at creases and in hollows, nearly all are proven element by element.
 std::vector<Index> PenetrationSearch::find_overlapping_stars(std::vector<Index> vertices) const {
-  std::erase_if(vertices, [&](Index v) { return paths_.locally_injective_vertices()[v] != 0; });
+  std::erase_if(vertices, [&](Index v) { return locator_.locally_injective_vertices()[v] != 0; });
   Flags is_apart(vertices.size(), 0);
   parallel_for(std::ssize(vertices), kStarsAtOnce,
                [&](std::int64_t i) { is_apart[i] = is_star_proven_apart(mesh_, positions_, vertices[i]); });
@@ -175,14 +176,14 @@ void PenetrationSearch::append_vertices(std::span<const PointInside> inside, std
 
 bool PenetrationSearch::holds_nothing(Index element) const {
   const auto& across = mesh_.neighbours()[element];
-  return std::any_of(across.begin(), across.end(), [](Index n) { return n < 0; }) &&
+  return std::any_of(across.begin(), across.end(), [](HalfFace n) { return !n.exists(); }) &&
          orientation(corners_of(mesh_.elements()[element], positions_)) < 0;
 }
 
 /// Vertices with each element that holds them and is not their own; ascending.
 std::vector<PointInside> PenetrationSearch::find_vertices(std::span<const Index> vertices) const {
   std::vector<PointInside> inside;
-  for (const auto& query : paths_.locate_vertices(vertices)) inside.push_back({query.source[0], query.element});
+  for (const auto& query : locator_.locate_vertices(vertices)) inside.push_back({query.source[0], query.element});
   return inside;
 }
 
@@ -191,7 +192,7 @@ std::vector<Penetration> PenetrationSearch::find_edges(std::span<const Index> ed
                                                        PenetrationCounters& counters) const {
   std::vector<Extent> extents;
   for (const Index e : edges) extents.push_back(extent_of(surface_.edges()[e], positions_));
-  const auto near = paths_.find_elements_near(extents);
+  const auto near = locator_.find_elements_near(extents);
   std::vector<Penetration> found(edges.size(), {kNone, kNone});
   std::vector<std::int64_t> tested(edges.size(), 0);
   parallel_for(std::ssize(edges), kEdgesAtOnce, [&](std::int64_t i) {
@@ -219,10 +220,10 @@ std::vector<Penetration> PenetrationSearch::find_edges(std::span<const Index> ed
 std::vector<Index> PenetrationSearch::suspected_elements() const {
   std::vector<Extent> extents;
   for (const Index face : suspects_) extents.push_back(extent_of(surface_.triangles()[face], positions_));
-  for (const Index e : paths_.defective_elements()) extents.push_back(extent_of(mesh_.elements()[e], positions_));
+  for (const Index e : locator_.defective_elements()) extents.push_back(extent_of(mesh_.elements()[e], positions_));
   Flags is_listed(mesh_.element_count(), 0);
   std::vector<Index> elements;
-  for (const Index e : paths_.find_elements_near(extents).found) add_once(is_listed, e, elements);
+  for (const Index e : locator_.find_elements_near(extents).found) add_once(is_listed, e, elements);
   std::vector<Index> vertices(mesh_.vertex_count());
   std::iota(vertices.begin(), vertices.end(), 0);
   for (const Index v : find_overlapping_stars(std::move(vertices)))
@@ -263,7 +264,7 @@ std::vector<PointInside> PenetrationSearch::find_centroids(std::span<const Index
   std::vector<Vec3> places;
   for (const Index e : elements)
     places.push_back(penetrating_centroid(e, mesh_.elements()[e], e, positions_).query.point);
-  const auto located = paths_.locate(places);
+  const auto located = locator_.locate(places);
   std::vector<PointInside> inside;
   for (std::size_t i = 0; i < elements.size(); ++i)
     for (std::int64_t k = located.first[i]; k < located.first[i + 1]; ++k)

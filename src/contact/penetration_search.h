@@ -44,8 +44,9 @@ class PenetrationSearch {
 
   /// Takes a new pose. O(n), parallel.
   void place(std::span<const Vec3> positions);
-  /// Makes paths() ready for that pose. The search itself seldom needs all of it.
-  void prepare_paths() { paths_.update_faces(); }
+  const PointLocator<3>& locator() const { return locator_; }
+  /// Makes paths() ready for that pose: the search seldom needs them.
+  void prepare_paths() { paths_.update(); }
   const BoundaryPathFinder<3>& paths() const { return paths_; }
 
   /// Every vertex with each element that holds it; every edge with the middle of its part inside, and an element that
@@ -86,6 +87,7 @@ class PenetrationSearch {
   std::vector<Index> boundary_place_;  ///< per vertex, among those on the boundary
   std::vector<Index> pieces_;          ///< a face of each connected piece of the surface
   std::vector<Vec3> positions_;
+  PointLocator<3> locator_;
   BoundaryPathFinder<3> paths_;
   SelfCollisionFinder collisions_;
   bool collisions_placed_ = true;

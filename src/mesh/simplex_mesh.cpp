@@ -116,9 +116,9 @@ void SimplexMesh<D>::find_neighbours() {
         FaceTable::Entry& entry = faces.find(face);
         const HalfFace half{face.half_face}, first{entry.first};
         const bool is_first = half.code == first.code;
-        neighbours_[half.element()][half.face()] = is_first ? kNone : first.code;
+        neighbours_[half.element()][half.face()] = is_first ? HalfFace() : first;
         if (is_first) return;
-        neighbours_[first.element()][first.face()] = half.code;
+        neighbours_[first.element()][first.face()] = half;
         if (entry.is_paired) crowded.report(first.element());
         entry.is_paired = true;
       });
@@ -133,8 +133,8 @@ template <int D>
 void SimplexMesh<D>::list_boundary() {
   for (Index e = 0; e < element_count(); ++e) {
     for (int i = 0; i <= D; ++i) {
-      if (neighbours_[e][i] != kNone) continue;
-      neighbours_[e][i] = ~boundary_face_count();
+      if (neighbours_[e][i].exists()) continue;
+      neighbours_[e][i] = HalfFace::at_boundary(boundary_face_count());
       boundary_faces_.push_back(face_of(elements_[e], i));
       boundary_owners_.push_back(HalfFace::of(e, i));
     }
@@ -153,14 +153,14 @@ void SimplexMesh<D>::link_boundary() {
       Index apex = elements_[element][boundary_owners_[b].face()];
       Index behind = boundary_faces_[b][k];  // the vertex that the turn around the ridge leaves behind
       for (;;) {
-        const Index across = neighbours_[element][local_index<D + 1>(elements_[element], behind)];
-        if (across < 0) {
-          boundary_neighbours_[b][k] = ~across;
+        const HalfFace across = neighbours_[element][local_index<D + 1>(elements_[element], behind)];
+        if (!across.exists()) {
+          boundary_neighbours_[b][k] = across.boundary_face();
           break;
         }
         behind = apex;
-        element = HalfFace{across}.element();
-        apex = elements_[element][HalfFace{across}.face()];
+        element = across.element();
+        apex = elements_[element][across.face()];
       }
     }
   });
@@ -220,9 +220,9 @@ std::vector<Index> SimplexMesh<D>::element_components() const {
   };
   for (Index e = 0; e < element_count(); ++e) {
     Index root = below[e] = e;
-    for (const Index across : neighbours_[e]) {
-      if (across < 0 || HalfFace{across}.element() > e) continue;
-      const Index other = lowest(HalfFace{across}.element());
+    for (const HalfFace across : neighbours_[e]) {
+      if (!across.exists() || across.element() > e) continue;
+      const Index other = lowest(across.element());
       const auto [small, large] = std::minmax(root, other);
       root = below[large] = small;
     }

@@ -30,8 +30,8 @@ class Spoke {
   int opposite() const { return static_cast<int>(code_ >> 1 & 3); }
   bool is_outward() const { return (code_ & 1) != 0; }
 
-  /// As TriangleMesh::neighbours() tells what lies across an edge.
-  Index neighbour_code() const { return 4 * triangle() + opposite(); }
+  /// As in TriangleMesh::neighbours().
+  HalfFace half_face() const { return HalfFace::of(triangle(), opposite()); }
 
   friend auto operator<=>(const Spoke&, const Spoke&) = default;
 
@@ -107,12 +107,12 @@ TriangleMesh::TriangleMesh(Index vertex_count, std::vector<Triangle> triangles)
         do {
           edge_triangle_[place] = spoke->triangle();
           triangle_edges_[spoke->triangle()][spoke->opposite()] = edge;
-          neighbours_[spoke->triangle()][spoke->opposite()] = kNone;
+          neighbours_[spoke->triangle()][spoke->opposite()] = {};
           ++spoke;
         } while (++place < first_spoke[v + 1] && spoke->other() == first->other());
         if (spoke - first != 2) continue;
-        neighbours_[first[0].triangle()][first[0].opposite()] = first[1].neighbour_code();
-        neighbours_[first[1].triangle()][first[1].opposite()] = first[0].neighbour_code();
+        neighbours_[first[0].triangle()][first[0].opposite()] = first[1].half_face();
+        neighbours_[first[1].triangle()][first[1].opposite()] = first[0].half_face();
         agree = agree && first[0].is_outward() != first[1].is_outward();
       }
     });

@@ -40,7 +40,7 @@ bool repeats_a_vertex(const VertexTuple<N>& tuple) {
   return repeats;
 }
 
-/// The door of a mesh: there is a tuple, and each has distinct vertices in [0, vertex_count).
+/// Checks the input of a mesh: there is a tuple, and each has distinct vertices in [0, vertex_count).
 /// @throws Error  naming the first tuple that offends
 template <int N>
 void check_tuples(Index vertex_count, std::span<const VertexTuple<N>> tuples, std::string_view kind) {

@@ -50,7 +50,7 @@ std::vector<Vec<D>> make_points(const families::Subject<D>& subject, std::size_t
 
 template <int D>
 void expect_holders(const families::Subject<D>& subject, const std::vector<Vec<D>>& points,
-                    const typename BoundaryPathFinder<D>::Located& located) {
+                    const LocatedPoints<D>& located) {
   ASSERT_EQ(located.first.size(), points.size() + 1);
   for (std::size_t i = 0; i < points.size(); ++i) {
     std::vector<Index> right, found;
@@ -64,11 +64,11 @@ void expect_holders(const families::Subject<D>& subject, const std::vector<Vec<D
 template <int D>
 void locate_groups_of_every_size(std::size_t number) {
   const families::Subject<D> subject(families::all_families<D>()[number]);
-  const BoundaryPathFinder<D> finder(subject.mesh, subject.judge.positions());
+  const PointLocator<D> locator(subject.mesh, subject.judge.positions());
   test::Random random(number);
   for (const std::size_t count : {1, 2, 3, 8, 15, 16, 17, 33}) {
     const auto points = make_points(subject, test::scaled(20) < 20 ? count % 17 : count, random);
-    expect_holders<D>(subject, points, finder.locate(points));
+    expect_holders<D>(subject, points, locator.locate(points));
   }
 }
 
@@ -76,12 +76,12 @@ void locate_groups_of_every_size(std::size_t number) {
 template <int D>
 void locate_alone_and_together(std::size_t number) {
   const families::Subject<D> subject(families::all_families<D>()[number]);
-  const BoundaryPathFinder<D> finder(subject.mesh, subject.judge.positions());
+  const PointLocator<D> locator(subject.mesh, subject.judge.positions());
   test::Random random(100 + number);
   const auto points = make_points(subject, test::scaled(1000), random);
-  const auto together = finder.locate(points);
+  const auto together = locator.locate(points);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto alone = finder.locate(std::span(points).subspan(i, 1));
+    const auto alone = locator.locate(std::span(points).subspan(i, 1));
     ASSERT_EQ(static_cast<std::int64_t>(alone.queries.size()), together.first[i + 1] - together.first[i]) << i;
     for (std::size_t k = 0; k < alone.queries.size(); ++k)
       ASSERT_EQ(alone.queries[k].element, together.queries[together.first[i] + k].element) << i;
@@ -94,9 +94,9 @@ void find_vertices_after_refit(std::size_t number) {
   const families::Subject<D> subject(families::all_families<D>()[number]);
   auto elsewhere = subject.judge.positions();
   std::reverse(elsewhere.begin(), elsewhere.end());
-  BoundaryPathFinder<D> finder(subject.mesh, elsewhere);
-  finder.update(subject.judge.positions());
-  const auto found = finder.find_penetrating_vertices();
+  PointLocator<D> locator(subject.mesh, elsewhere);
+  locator.update(subject.judge.positions());
+  const auto found = locator.find_penetrating_vertices();
   const auto right = subject.judge.penetrating_vertices();
   ASSERT_EQ(found.size(), right.size());
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -110,7 +110,7 @@ template <int D>
 void locate_some_vertices(std::size_t number) {
   const families::Subject<D> subject(families::all_families<D>()[number]);
   const std::span<const Vec<D>> x = subject.judge.positions();
-  const BoundaryPathFinder<D> finder(subject.mesh, x);
+  const PointLocator<D> locator(subject.mesh, x);
   for (const Index stride : {1, 3, subject.mesh.vertex_count()}) {
     std::vector<Index> asked;
     std::vector<std::pair<Index, Index>> right, found;
@@ -120,7 +120,7 @@ void locate_some_vertices(std::size_t number) {
         if (!std::ranges::count(subject.mesh.elements()[e], v) && subject.judge.holds(e, x[v])) right.push_back({v, e});
     }
     std::reverse(asked.begin(), asked.end());
-    for (const PathQuery<D>& query : finder.locate_vertices(asked)) {
+    for (const PathQuery<D>& query : locator.locate_vertices(asked)) {
       found.push_back({query.source[0], query.element});
       EXPECT_EQ(query.point, x[query.source[0]]);
     }
@@ -137,9 +137,8 @@ std::array<Vec<D>, 2> extent_of(const std::array<Index, N>& vertices, std::span<
 
 // Some may be found that are only near, but none may be missed, nor be found twice.
 template <int D, typename Simplices>
-void expect_all_that_meet(const typename BoundaryPathFinder<D>::Nearby& near,
-                          const std::vector<std::array<Vec<D>, 2>>& boxes, const Simplices& simplices,
-                          std::span<const Vec<D>> x) {
+void expect_all_that_meet(const NearbyItems& near, const std::vector<std::array<Vec<D>, 2>>& boxes,
+                          const Simplices& simplices, std::span<const Vec<D>> x) {
   ASSERT_EQ(near.first.size(), boxes.size() + 1);
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     std::vector<Index> found(near.found.begin() + near.first[i], near.found.begin() + near.first[i + 1]);
@@ -157,20 +156,21 @@ template <int D>
 void find_what_is_near(std::size_t number) {
   const families::Subject<D> subject(families::all_families<D>()[number]);
   const std::span<const Vec<D>> x = subject.judge.positions();
-  const BoundaryPathFinder<D> finder(subject.mesh, x);
+  PointLocator<D> locator(subject.mesh, x);
+  const BoundaryPathFinder<D> finder(locator);
   std::vector<std::array<Vec<D>, 2>> boxes;
   for (const auto& face : subject.mesh.boundary_faces()) boxes.push_back(extent_of<D>(face, x));
   for (Index v = 0; v < subject.mesh.vertex_count(); ++v) boxes.push_back({x[v], x[v]});
-  expect_all_that_meet<D>(finder.find_elements_near(boxes), boxes, subject.mesh.elements(), x);
+  expect_all_that_meet<D>(locator.find_elements_near(boxes), boxes, subject.mesh.elements(), x);
   expect_all_that_meet<D>(finder.find_faces_near(boxes), boxes, subject.mesh.boundary_faces(), x);
 }
 
 // Points near a vertex, inside one of its elements, are in none of its others.
 template <int D>
-void settled_vertices_are_covered_once(std::size_t number) {
+void locally_injective_vertices_are_covered_once(std::size_t number) {
   const families::Subject<D> subject(families::all_families<D>()[number]);
   const std::span<const Vec<D>> x = subject.judge.positions();
-  const BoundaryPathFinder<D> finder(subject.mesh, x);
+  const PointLocator<D> locator(subject.mesh, x);
   const auto corners = [&](Index e) {
     std::array<Vec<D>, D + 1> result;
     for (int k = 0; k <= D; ++k) result[k] = x[subject.mesh.elements()[e][k]];
@@ -179,12 +179,12 @@ void settled_vertices_are_covered_once(std::size_t number) {
   std::vector<Index> defective;
   for (Index e = 0; e < subject.mesh.element_count(); ++e)
     if (orientation(corners(e)) <= 0) defective.push_back(e);
-  EXPECT_TRUE(std::ranges::equal(finder.defective_elements(), defective));
+  EXPECT_TRUE(std::ranges::equal(locator.defective_elements(), defective));
 
   families::Random random(200 + number);
   for (Index v = 0; v < subject.mesh.vertex_count(); ++v) {
     const auto around = subject.mesh.vertex_elements(v);
-    if (finder.locally_injective_vertices()[v] == 0 || std::ranges::find_first_of(around, defective) != around.end())
+    if (locator.locally_injective_vertices()[v] == 0 || std::ranges::find_first_of(around, defective) != around.end())
       continue;
     for (const Index e : around) {
       Vec<D> p = Vec<D>::Zero();
@@ -273,11 +273,11 @@ TEST_P(PlanarContainment, OfBoxesMissesNothingThatMeetsThem) {
 TEST_P(SolidContainment, OfBoxesMissesNothingThatMeetsThem) {
   find_what_is_near<3>(GetParam());
 }
-TEST_P(PlanarContainment, OfDirectionsIsSingleAtSettledVertices) {
-  settled_vertices_are_covered_once<2>(GetParam());
+TEST_P(PlanarContainment, OfDirectionsIsSingleAtLocallyInjectiveVertices) {
+  locally_injective_vertices_are_covered_once<2>(GetParam());
 }
-TEST_P(SolidContainment, OfDirectionsIsSingleAtSettledVertices) {
-  settled_vertices_are_covered_once<3>(GetParam());
+TEST_P(SolidContainment, OfDirectionsIsSingleAtLocallyInjectiveVertices) {
+  locally_injective_vertices_are_covered_once<3>(GetParam());
 }
 TEST_P(PlanarContainment, IsThatOfAllPairsForEveryInstructionSet) {
   compare_kernels<2>(GetParam());

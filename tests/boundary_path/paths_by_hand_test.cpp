@@ -1,4 +1,4 @@
-// Answers worked out by hand: the figures of the paper, normals, defects of a pose, errors at the doors.
+// Answers worked out by hand: the figures of the paper, normals, defects of a pose, errors in the input.
 #include "boundary_path/families/figures.h"
 #include "selvage/boundary_path/boundary_path.h"
 #include "selvage/core/error.h"
@@ -148,18 +148,20 @@ TEST(Defects, InvertedAndFlatElementsAreCounted) {
 }
 
 /// Paths end on the boundary, which has to be where the elements are.
-TEST(Errors, FacesOfAnotherPoseAreNotAskedFor) {
+TEST(Errors, FinderOnALocatorInAnotherPoseIsNotAsked) {
   const auto pieces = families::grid(2, 2);
   const auto mesh = mesh_of(pieces);
-  BoundaryPathFinder<2> finder(mesh, pieces.positions);
+  PointLocator<2> locator(mesh, pieces.positions);
+  BoundaryPathFinder<2> finder(locator);
   const std::vector<PathQuery<2>> query{{{0.75, 0.25}, 0}};
   const std::vector<std::array<Vec2, 2>> box{{Vec2(0, 0), Vec2(1, 1)}};
-  finder.update_elements(pieces.positions);
+  EXPECT_NO_THROW(finder.find_paths(query));
+  locator.update(pieces.positions);
   EXPECT_THROW(finder.find_paths(query), Error);
   EXPECT_THROW(finder.find_faces_near(box), Error);
-  EXPECT_FALSE(finder.find_elements_near(box).found.empty());
+  EXPECT_FALSE(locator.find_elements_near(box).found.empty());
   EXPECT_NO_THROW(finder.locate(std::vector<Vec2>{{0.75, 0.25}}));
-  finder.update_faces();
+  finder.update();
   EXPECT_NO_THROW(finder.find_paths(query));
   EXPECT_FALSE(finder.find_faces_near(box).found.empty());
 }

@@ -52,7 +52,7 @@ void check_threads(const Case<D>& c) {
   }
 }
 
-// Searches walk in company, and start from each other's answers.
+// Searches descend in company, and start from each other's answers.
 template <int D>
 void check_company(const Case<D>& c) {
   const std::size_t n = c.queries.size();
@@ -115,10 +115,17 @@ void check_refits(const Case<D>& c) {
   finder.update(elsewhere);
   finder.rebuild(positions);
   expect_identical(c, finder.find_paths(c.queries), "rebuilt");
-  finder.update_elements(elsewhere);
-  finder.update_elements(positions);
-  finder.update_faces();
-  expect_identical(c, finder.find_paths(c.queries), "refit in two halves, the second of them once for two poses");
+  PointLocator<D> locator(c.subject.mesh, positions);
+  BoundaryPathFinder<D> beside(locator);
+  expect_identical(c, beside.find_paths(c.queries), "beside a locator");
+  locator.update(elsewhere);
+  locator.update(positions);
+  beside.update();
+  expect_identical(c, beside.find_paths(c.queries), "after two poses of the locator");
+  locator.rebuild(elsewhere);
+  locator.update(positions);
+  beside.update();
+  expect_identical(c, beside.find_paths(c.queries), "after a locator that was rebuilt");
 }
 
 // Answers of the mesh moved by an exact map of space; distances multiplied by `factor`, to `tolerance`.

@@ -25,7 +25,7 @@ using test::seed;
 
 bool is_inverted_at_the_boundary(const TetMesh& mesh, Index element, std::span<const Vec3> x) {
   const auto& across = mesh.neighbours()[element];
-  return std::count_if(across.begin(), across.end(), [](Index n) { return n < 0; }) > 0 &&
+  return std::count_if(across.begin(), across.end(), [](HalfFace n) { return !n.exists(); }) > 0 &&
          orientation(corners_of(mesh.elements()[element], x)) < 0;
 }
 

@@ -58,16 +58,17 @@ void compare_with_maps(const SimplexMesh<D>& mesh) {
     ASSERT_LE(halves.size(), 2u);
     for (std::size_t k = 0; k < halves.size(); ++k) {
       const HalfFace self = halves[k];
-      const Index across = mesh.neighbours()[self.element()][self.face()];
+      const HalfFace across = mesh.neighbours()[self.element()][self.face()];
       if (halves.size() == 2) {
-        EXPECT_EQ(across, halves[1 - k].code);
+        EXPECT_EQ(across, halves[1 - k]);
         continue;
       }
-      ASSERT_LT(across, 0);
+      ASSERT_FALSE(across.exists());
       ++boundary;
-      EXPECT_EQ(mesh.boundary_owners()[~across], self);
-      EXPECT_EQ(mesh.boundary_faces()[~across], SimplexMesh<D>::face_of(mesh.elements()[self.element()], self.face()));
-      for (Index v : face) faces_of[v].insert(~across);
+      EXPECT_EQ(mesh.boundary_owners()[across.boundary_face()], self);
+      EXPECT_EQ(mesh.boundary_faces()[across.boundary_face()],
+                SimplexMesh<D>::face_of(mesh.elements()[self.element()], self.face()));
+      for (Index v : face) faces_of[v].insert(across.boundary_face());
     }
   }
   EXPECT_EQ(mesh.boundary_face_count(), static_cast<Index>(boundary));

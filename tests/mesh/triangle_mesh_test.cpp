@@ -62,12 +62,12 @@ void expect_neighbours(const TriangleMesh& mesh, const std::map<TriangleMesh::Ed
       const auto& triangle = mesh.triangles()[t];
       const Index from = triangle[(i + 1) % 3], to = triangle[(i + 2) % 3];
       const auto& incident = edges.at({std::min(from, to), std::max(from, to)});
-      const Index across = mesh.neighbours()[t][i];
-      ASSERT_EQ(across != kNone, incident.size() == 2);
-      if (across == kNone) continue;
-      ASSERT_EQ(across / 4, incident[incident[0] == t ? 1 : 0]);
-      const auto& other = mesh.triangles()[across / 4];
-      const Index other_from = other[(across % 4 + 1) % 3], other_to = other[(across % 4 + 2) % 3];
+      const HalfFace across = mesh.neighbours()[t][i];
+      ASSERT_EQ(across.exists(), incident.size() == 2);
+      if (!across.exists()) continue;
+      ASSERT_EQ(across.element(), incident[incident[0] == t ? 1 : 0]);
+      const auto& other = mesh.triangles()[across.element()];
+      const Index other_from = other[(across.face() + 1) % 3], other_to = other[(across.face() + 2) % 3];
       ASSERT_EQ(std::minmax(from, to), std::minmax(other_from, other_to));
       agree = agree && from == other_to;
     }

@@ -72,7 +72,10 @@ EmbreePeer::State::State(const TetMesh& m, PeerSettings settings)
       faces(m.boundary_face_count()),
       face_scene(device, settings.tree, settings.triangles ? EmbreeScene::Kind::kTriangles : EmbreeScene::Kind::kBoxes),
       tet_scene(device, settings.tree, EmbreeScene::Kind::kBoxes) {
-  for (Index t = 0; t < m.element_count(); ++t) tets[t] = {m.elements()[t], m.neighbours()[t]};
+  for (Index t = 0; t < m.element_count(); ++t) {
+    tets[t].vertices = m.elements()[t];
+    for (int i = 0; i < 4; ++i) tets[t].neighbours[i] = m.neighbours()[t][i].code;
+  }
   for (Index f = 0; f < m.boundary_face_count(); ++f) faces[f] = {m.boundary_faces()[f], m.boundary_owners()[f].code};
   list_rings();
   face_scene.set_simplices(positions.data(), m.vertex_count(), faces.data()->vertices.data(), sizeof(PeerFace), 3,

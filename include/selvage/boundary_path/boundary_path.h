@@ -1,5 +1,7 @@
 #pragma once
 
+#include "selvage/boundary_path/path_query.h"
+#include "selvage/boundary_path/point_locator.h"
 #include "selvage/core/types.h"
 #include "selvage/mesh/simplex_mesh.h"
 
@@ -7,7 +9,7 @@
 
 namespace selvage {
 
-/// What became of a query.
+/// Outcome of a query.
 enum class PathStatus : std::uint8_t {
   kFound,         ///< the shortest path is given
   kNoPath,        ///< every candidate is blocked, or none is left
@@ -16,16 +18,6 @@ enum class PathStatus : std::uint8_t {
 
 /// Where on the boundary face the closest boundary point lies.
 enum class BoundaryFeature : std::uint8_t { kFace, kEdge, kVertex };
-
-/// An interior point whose way out is asked for.
-template <int D>
-struct PathQuery {
-  Vec<D> point;   ///< [m]
-  Index element;  ///< the element that the point is taken to be in: one place may hold several material points
-  /// Vertices that span the boundary simplex on which the point lies, when it is a boundary point that has penetrated:
-  /// a vertex (v, kNone) or an edge (a, b). The boundary faces that have all of them are no candidates.
-  std::array<Index, 2> source{kNone, kNone};
-};
 
 /// The shortest path from a query's point to the boundary. Only `status` has a meaning unless it is kFound.
 template <int D>
@@ -39,7 +31,7 @@ struct BoundaryPath {
   Vec<D> normal;        ///< unit outward normal, area-weighted over the boundary faces at an edge or a vertex
 };
 
-/// What a search did (SPB table 1). Counted only on request.
+/// Work of a search (SPB table 1). Counted only on request.
 struct PathCounters {
   std::int64_t volumes_visited = 0;   ///< nodes of the hierarchy
   std::int64_t faces_visited = 0;     ///< boundary faces whose closest point was computed
@@ -49,16 +41,6 @@ struct PathCounters {
   std::int64_t exact_decisions = 0;   ///< predicates that needed exact arithmetic
 
   PathCounters& operator+=(const PathCounters& other);
-};
-
-/// What is wrong with a pose: where the theorems of SPB do not hold.
-struct MeshDefects {
-  std::int64_t inverted_elements = 0;
-  std::int64_t degenerate_elements = 0;
-  /// Interior ridges (edges in 3D, vertices in 2D) around which the elements turn twice or more (angles sum to 4 pi).
-  std::int64_t overwound_interior_ridges = 0;
-  /// Boundary ridges around which the elements turn by more than 2 pi.
-  std::int64_t overwound_boundary_ridges = 0;
 };
 
 /// Switches for measurement; none changes any answer.
@@ -80,23 +62,29 @@ class BoundaryPathFinder {
   /// @throws Error     when the mesh has no element, sizes differ, or a position is not finite; so do update() and
   ///                   rebuild()
   BoundaryPathFinder(const SimplexMesh<D>& mesh, std::span<const Vec<D>> positions, PathOptions options = {});
+  BoundaryPathFinder(const SimplexMesh<D>&& mesh, std::span<const Vec<D>> positions, PathOptions options = {}) = delete;
+
+  /// Stands on a locator that is asked more often than the finder, in its pose: nothing is held or computed twice.
+  /// After each update() of the locator, update() without positions makes the finder ready for the new pose; until
+  /// then find_paths() and find_faces_near() throw an Error. The locator's mesh must outlive the finder.
+  explicit BoundaryPathFinder(PointLocator<D>& locator, PathOptions options = {});
+
   ~BoundaryPathFinder();
   BoundaryPathFinder(BoundaryPathFinder&&) noexcept;
   BoundaryPathFinder& operator=(BoundaryPathFinder&&) noexcept;
 
-  /// Takes a new pose: refits the hierarchies in O(n), and rebuilds one whose quality has become poor.
+  /// Takes a new pose: refits the hierarchies in O(n), and rebuilds one whose quality has become poor. Parallel.
   void update(std::span<const Vec<D>> positions);
 
-  /// The same in two halves, for poses in which next to nothing is asked of the boundary: until the second is called,
-  /// find_paths() and find_faces_near() throw, and all else may be asked.
-  void update_elements(std::span<const Vec<D>> positions);
-  void update_faces();
+  /// Takes the pose that the locator has, at the cost of the boundary faces alone.
+  void update();
 
-  /// Takes a new pose and builds the hierarchies anew.
+  /// Takes a new pose and builds the hierarchies anew. O(n log n), parallel.
   void rebuild(std::span<const Vec<D>> positions);
 
-  /// Defects of the current pose.
-  const MeshDefects& defects() const;
+  /// Elements that hold a point, and all that is known of them; always in the finder's pose, unless the finder stands
+  /// on a locator of its user.
+  const PointLocator<D>& locator() const;
 
   /// Shortest paths, one per query, in the order of the queries. Parallel; the same bits for any number of threads.
   ///
@@ -110,41 +98,17 @@ class BoundaryPathFinder {
   std::vector<BoundaryPath<D>> find_paths(std::span<const PathQuery<D>> queries, std::span<const Index> warm_start = {},
                                           std::span<PathCounters> counters = {}) const;
 
-  /// Vertex-element DCD: every pair of a boundary vertex and an element that holds it (closed, decided exactly) but
-  /// does not have it as a vertex, ready for find_paths(); ordered by vertex, then element. Inverted elements on the
-  /// boundary are skipped (SPB section 3.5), flat ones hold nothing. Parallel.
-  std::vector<PathQuery<D>> find_penetrating_vertices() const;
+  /// The same for one query. Many are answered faster together.
+  BoundaryPath<D> find_path(const PathQuery<D>& query, Index warm_start = kNone) const;
 
-  /// Elements that hold each point (closed, decided exactly): for each point a query per element, ascending; `first`
-  /// has n_points + 1 entries and gives each point's share of `queries`. Flat elements hold nothing.
-  struct Located {
-    std::vector<PathQuery<D>> queries;
-    std::vector<std::int64_t> first;
-  };
-  /// @throws Error  when a point is not finite
-  Located locate(std::span<const Vec<D>> points) const;
+  /// As those of locator().
+  std::vector<PathQuery<D>> find_penetrating_vertices() const { return locator().find_penetrating_vertices(); }
+  LocatedPoints<D> locate(std::span<const Vec<D>> points) const { return locator().locate(points); }
+  const MeshDefects& defects() const { return locator().defects(); }
 
-  /// The same for vertices, on the boundary or not, each without its own elements: all pairs ascending by vertex, then
-  /// element, ready for find_paths().
-  /// @throws Error  when a vertex is out of range
-  std::vector<PathQuery<D>> locate_vertices(std::span<const Index> vertices) const;
-
-  /// Elements, or boundary faces, that a box may meet: all that do and a few that lie near it, in a fixed order;
-  /// `first` has n_boxes + 1 entries and gives each box's share. Boxes are given by their lower and upper corner.
-  /// Parallel.
-  struct Nearby {
-    std::vector<Index> found;
-    std::vector<std::int64_t> first;
-  };
-  Nearby find_elements_near(std::span<const std::array<Vec<D>, 2>> boxes) const;
-  Nearby find_faces_near(std::span<const std::array<Vec<D>, 2>> boxes) const;
-
-  /// Elements of the current pose that are inverted or flat, ascending.
-  std::span<const Index> defective_elements() const;
-
-  /// (n_vertices) 1 where the elements around the vertex are proven to overlap nowhere but at common points, provided
-  /// that none of them is defective; 0 elsewhere.
-  std::span<const std::uint8_t> locally_injective_vertices() const;
+  /// Boundary faces that a box may meet: all that do and a few that lie near it, in a fixed order. Parallel.
+  /// @param boxes  lower and upper corner of each [m]
+  NearbyItems find_faces_near(std::span<const std::array<Vec<D>, 2>> boxes) const;
 
  private:
   struct State;

@@ -4,20 +4,25 @@
 
 namespace selvage {
 
-/// One side of a face: the element it belongs to and the number of the vertex of that element opposite to it.
+/// One side of a face: the element it belongs to and the number of the vertex of that element opposite to it. In a
+/// table of neighbours, what lies across a face: the side of the neighbour, or else the boundary.
 ///
-/// Packed in one index, 4 * element + face, so that a neighbour table is one index a face.
+/// Packed in one index, so that such a table is one index a face: 4 * element + face, or ~b at boundary face b.
 struct HalfFace {
   Index code = kNone;
 
   static HalfFace of(Index element, int face) { return {4 * element + face}; }
+  static HalfFace at_boundary(Index boundary_face) { return {~boundary_face}; }
+  /// False on the boundary: then element() and face() have no meaning.
   bool exists() const { return code >= 0; }
   Index element() const { return code >> 2; }
   int face() const { return code & 3; }
+  /// In a table of neighbours, where nothing lies across.
+  Index boundary_face() const { return ~code; }
   friend bool operator==(HalfFace, HalfFace) = default;
 };
 
-/// What lies between two neighbouring boundary faces: an edge in 3D, a vertex in the plane.
+/// Boundary of two neighbouring boundary faces: an edge in 3D, a vertex in the plane.
 template <int D>
 struct BoundaryRidge {
   VertexTuple<D - 1> vertices;  ///< ascending
@@ -59,8 +64,8 @@ class SimplexMesh {
   /// (n_elements) vertices of each element, as they were given.
   std::span<const Element> elements() const { return elements_; }
 
-  /// (n_elements x D+1) what lies across each face: a HalfFace code of the neighbour, or ~b for boundary face b.
-  std::span<const std::array<Index, D + 1>> neighbours() const { return neighbours_; }
+  /// (n_elements x D+1) what lies across each face: the neighbour's side of it, or the boundary.
+  std::span<const std::array<HalfFace, D + 1>> neighbours() const { return neighbours_; }
 
   /// (n_boundary) vertices of each boundary face, outward; ordered by (owner element, face number).
   std::span<const Face> boundary_faces() const { return boundary_faces_; }
@@ -96,7 +101,7 @@ class SimplexMesh {
 
  private:
   static std::span<const Index> star(const std::vector<Index>& items, const std::vector<Index>& first, Index v) {
-    return std::span(items).subspan(first[v], first[v + 1] - first[v]);
+    return {items.data() + first[static_cast<std::size_t>(v)], items.data() + first[static_cast<std::size_t>(v) + 1]};
   }
   void find_neighbours();
   void list_boundary();
@@ -104,7 +109,7 @@ class SimplexMesh {
 
   Index vertex_count_ = 0;
   std::vector<Element> elements_;
-  std::vector<std::array<Index, D + 1>> neighbours_;
+  std::vector<std::array<HalfFace, D + 1>> neighbours_;
   std::vector<Face> boundary_faces_;
   std::vector<HalfFace> boundary_owners_;
   std::vector<std::array<Index, D>> boundary_neighbours_;

@@ -33,9 +33,10 @@ class TriangleMesh {
   /// (n_triangles x 3) edge opposite to vertex i of each triangle.
   std::span<const std::array<Index, 3>> triangle_edges() const { return triangle_edges_; }
 
-  /// (n_triangles x 3) what lies across the edge opposite to vertex i of each triangle: 4 * triangle + the number of
-  /// its vertex opposite to that edge; kNone where the edge does not have two triangles.
-  std::span<const std::array<Index, 3>> neighbours() const { return neighbours_; }
+  /// (n_triangles x 3) what lies across the edge opposite to vertex i of each triangle: the other triangle, as element,
+  /// and the number of its vertex opposite to that edge, as face. None exists where the edge does not have two
+  /// triangles.
+  std::span<const std::array<HalfFace, 3>> neighbours() const { return neighbours_; }
 
   /// Whether neighbours agree on which side of the surface is which: run along the edge between them in opposite
   /// directions.
@@ -49,13 +50,14 @@ class TriangleMesh {
 
  private:
   static std::span<const Index> star(const std::vector<Index>& items, const std::vector<Index>& first, Index i) {
-    return std::span(items).subspan(first[i], first[i + 1] - first[i]);
+    return {items.data() + first[static_cast<std::size_t>(i)], items.data() + first[static_cast<std::size_t>(i) + 1]};
   }
 
   Index vertex_count_ = 0;
   std::vector<Triangle> triangles_;
   std::vector<Edge> edges_;
-  std::vector<std::array<Index, 3>> triangle_edges_, neighbours_;
+  std::vector<std::array<Index, 3>> triangle_edges_;
+  std::vector<std::array<HalfFace, 3>> neighbours_;
   bool is_oriented_ = true;
   std::vector<Index> edge_triangle_, edge_triangle_first_;
   std::vector<Index> vertex_triangle_, vertex_triangle_first_;

@@ -56,12 +56,11 @@ DeformedMesh<D>::DeformedMesh(const SimplexMesh<D>& mesh, const PathTopology<D>&
     : mesh_(mesh), topology_(topology), vertex_normals_(mesh.vertex_count(), NormalBox::everything()) {}
 
 template <int D>
-void DeformedMesh<D>::rebuild(std::span<const Vec<D>> positions) {
+void DeformedMesh<D>::rebuild_elements(std::span<const Vec<D>> positions) {
   place(positions);
   build_elements();
-  build_faces();
   examine();
-  fit_faces();
+  builds_faces_ = true;
 }
 
 template <int D>
@@ -76,8 +75,10 @@ bool DeformedMesh<D>::update_elements(std::span<const Vec<D>> positions) {
 template <int D>
 void DeformedMesh<D>::update_faces() {
   if (has_faces_) return;
-  fit_faces();
-  if (++face_refits_ <= kMaxRefits && faces_.quality_loss() <= Bvh::kRebuildAbove) return;
+  if (!builds_faces_) {
+    fit_faces();
+    if (++face_refits_ <= kMaxRefits && faces_.quality_loss() <= Bvh::kRebuildAbove) return;
+  }
   build_faces();
   fit_faces();
 }
@@ -133,6 +134,7 @@ void DeformedMesh<D>::build_faces() {
   parallel_for(std::ssize(boxes), kGrain, [&](std::int64_t b) { boxes[b] = box_of(mesh_.boundary_faces()[b]); });
   faces_ = Bvh(boxes);
   face_refits_ = 0;
+  builds_faces_ = false;
   list_leaf_nodes<D>(faces_, mesh_.boundary_faces(), topology_.is_on_boundary, face_leaves_);
   node_normals_.resize(faces_.nodes().size());
   cones_.resize(faces_.nodes().size());
@@ -141,8 +143,12 @@ void DeformedMesh<D>::build_faces() {
 template <int D>
 void DeformedMesh<D>::fit_faces() {
   faces_.refit_from([&](BvhNode* nodes, Index first, Index last) {
-    const FaceTask<D> task{rounded(),    face_leaves_.data(), nodes, vertex_normals_.data(), node_normals_.data(),
-                           cones_.data()};
+    const FaceTask<D> task{.positions = rounded(),
+                           .leaves = face_leaves_.data(),
+                           .nodes = nodes,
+                           .vertex_normals = vertex_normals_.data(),
+                           .node_normals = node_normals_.data(),
+                           .cones = cones_.data()};
     SELVAGE_DISPATCH(fit_faces, task, first, last);
   });
   has_faces_ = true;
@@ -155,7 +161,7 @@ void DeformedMesh<D>::examine() {
   inverted_owners_.assign(mesh_.boundary_face_count(), 0);
   examine_elements();
   prove_boundary_vertices();
-  settle_vertices();
+  prove_local_injectivity();
   defect_places_.clear();
   for (const Index e : defective_) add_defect(mesh_.elements()[e], topology_.component_of[e]);
   find_overwound_interior_ridges();
@@ -181,7 +187,11 @@ void DeformedMesh<D>::examine_elements() {
   std::mutex listing;
   elements_.refit_from([&](BvhNode* nodes, Index first, Index last) {
     const auto doubtful = std::make_unique_for_overwrite<Index[]>(BvhNode::kWidth * (last - first));
-    const ElementTask<D> task{rounded(), element_leaves_.data(), nodes, ray_marks_.data(), inner_rays_.data()};
+    const ElementTask<D> task{.positions = rounded(),
+                              .leaves = element_leaves_.data(),
+                              .nodes = nodes,
+                              .ray_marks = ray_marks_.data(),
+                              .inner_rays = inner_rays_.data()};
     const ElementFindings found = SELVAGE_DISPATCH(examine_elements, task, first, last, doubtful.get());
     add_relaxed(inner_ray_count_, found.inner_rays);
     Index* const defective_end = std::partition(doubtful.get(), doubtful.get() + found.doubtful,
@@ -199,8 +209,8 @@ bool DeformedMesh<D>::examine_doubtful(Index element) {
   if (sign <= 0) {
     add_relaxed(sign < 0 ? defects_.inverted_elements : defects_.degenerate_elements, std::int64_t{1});
     std::atomic_ref(component_states_[topology_.component_of[element]]).store(ComponentState::kInverted);
-    for (Index across : mesh_.neighbours()[element])
-      if (across < 0) inverted_owners_[~across] = 1;
+    for (const HalfFace across : mesh_.neighbours()[element])
+      if (!across.exists()) inverted_owners_[across.boundary_face()] = 1;
   }
   if (sign > 0 && mark_rays(element)) return false;
   // What its vertices' rays pass is not known: more than one element may hold them.
@@ -254,7 +264,10 @@ void DeformedMesh<D>::prove_boundary_vertices() {
   const auto prove = [&](Index v) { cullable_[v] = is_proven_injective(mesh_, positions_, v, vertex_normals_[v]); };
   parallel_ranges(std::ssize(rims.batches), 64, [&](std::int64_t first, std::int64_t last) {
     const auto doubtful = std::make_unique_for_overwrite<Index[]>(RimBatch::kWidth * (last - first));
-    const RimTask task{rounded(), rims.vertices.data(), vertex_normals_.data(), cullable_.data()};
+    const RimTask task{.positions = rounded(),
+                       .vertices = rims.vertices.data(),
+                       .normals = vertex_normals_.data(),
+                       .proven = cullable_.data()};
     const Index count =
         SELVAGE_DISPATCH(prove_rims, task, std::span(rims.batches).subspan(first, last - first), doubtful.get());
     std::for_each(doubtful.get(), doubtful.get() + count, prove);
@@ -262,17 +275,17 @@ void DeformedMesh<D>::prove_boundary_vertices() {
   parallel_for(std::ssize(rims.others), 64, [&](std::int64_t i) { prove(rims.others[i]); });
 }
 
-/// A vertex is settled when no ridge at it can be overwound: see docs/how_it_works/boundary_path.md.
+/// A vertex is locally injective when no ridge at it can be overwound: see docs/how_it_works/boundary_path.md.
 template <int D>
-void DeformedMesh<D>::settle_vertices() {
+void DeformedMesh<D>::prove_local_injectivity() {
   // All inner vertices have a ray at least.
-  all_inner_settled_ = topology_.disagreeing.empty() && inner_ray_count_ == topology_.inner_vertex_count;
-  if (!all_inner_settled_) count_rays();
-  is_settled_.resize(mesh_.vertex_count());
+  all_inner_injective_ = topology_.disagreeing.empty() && inner_ray_count_ == topology_.inner_vertex_count;
+  if (!all_inner_injective_) count_rays();
+  locally_injective_.resize(mesh_.vertex_count());
   parallel_for(mesh_.vertex_count(), kGrain, [&](std::int64_t v) {
-    is_settled_[v] = topology_.disagreeing.empty() &&
-                     (topology_.is_on_boundary[v] ? cullable_[v] && !(ray_marks_[2 * v] && ray_marks_[2 * v + 1])
-                                                  : all_inner_settled_ || ray_counts_[v] == 1);
+    locally_injective_[v] = topology_.disagreeing.empty() &&
+                            (topology_.is_on_boundary[v] ? cullable_[v] && !(ray_marks_[2 * v] && ray_marks_[2 * v + 1])
+                                                         : all_inner_injective_ || ray_counts_[v] == 1);
   });
 }
 
@@ -288,8 +301,8 @@ void DeformedMesh<D>::count_rays() {
 }
 
 template <int D>
-bool DeformedMesh<D>::has_settled(const VertexTuple<D - 1>& ridge) const {
-  return std::any_of(ridge.begin(), ridge.end(), [&](Index v) { return is_settled_[v] != 0; });
+bool DeformedMesh<D>::has_locally_injective(const VertexTuple<D - 1>& ridge) const {
+  return std::any_of(ridge.begin(), ridge.end(), [&](Index v) { return locally_injective_[v] != 0; });
 }
 
 /// Whether the elements around a ridge are all positive and hang together forward around it: where some are inverted,
@@ -318,11 +331,12 @@ void DeformedMesh<D>::add_defect(const std::array<Index, N>& vertices, Index com
 template <int D>
 void DeformedMesh<D>::find_overwound_interior_ridges() {
   const auto& fans = topology_.interior_fans;
-  const std::int64_t count = all_inner_settled_ ? topology_.spanning_count : fans.count();
+  const std::int64_t count = all_inner_injective_ ? topology_.spanning_count : fans.count();
   const std::vector<std::int64_t> overwound = list_if_parallel(count, [&](std::int64_t k) {
     const auto& ridge = fans.fans[k].ridge;
     // The last link vertex leads back to the first.
-    return !has_settled(ridge) && !turns_once(positions_, ridge, fans.link(k).first(fans.link(k).size() - 1)) &&
+    return !has_locally_injective(ridge) &&
+           !turns_once(positions_, ridge, fans.link(k).first(fans.link(k).size() - 1)) &&
            turns_forward(ridge, fans.link(k), true);
   });
   defects_.overwound_interior_ridges = std::ssize(overwound);
@@ -335,7 +349,7 @@ void DeformedMesh<D>::find_overwound_boundary_ridges() {
   const auto& fans = topology_.boundary_fans;
   const std::vector<std::int64_t> overwound = list_if_parallel(fans.count(), [&](std::int64_t k) {
     const auto& ridge = fans.fans[k].ridge;
-    if (has_settled(ridge) || turns_once(positions_, ridge, fans.link(k))) return false;
+    if (has_locally_injective(ridge) || turns_once(positions_, ridge, fans.link(k))) return false;
     for (Index v : ridge) std::atomic_ref(cullable_[v]).store(0, std::memory_order_relaxed);
     return turns_beyond(positions_, ridge, fans.link(k)) && turns_forward(ridge, fans.link(k), false);
   });
@@ -348,7 +362,7 @@ template <int D>
 void DeformedMesh<D>::find_folds() {
   for (const HalfFace side : topology_.disagreeing) {
     const Index element = side.element();
-    const HalfFace across{mesh_.neighbours()[element][side.face()]};
+    const HalfFace across = mesh_.neighbours()[element][side.face()];
     if (orientation_of(element) > 0 && orientation_of(across.element()) > 0)
       add_defect(mesh_.face_of(mesh_.elements()[element], side.face()), topology_.component_of[element]);
   }

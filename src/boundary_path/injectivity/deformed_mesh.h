@@ -8,7 +8,7 @@
 
 namespace selvage {
 
-/// A pose of a mesh: scaled positions, the hierarchies over them, and what is wrong with it.
+/// A pose of a mesh: scaled positions, the hierarchies over them, and where it is not locally injective.
 ///
 /// A new pose is examined while the hierarchies are refitted: most of it in single precision with a bound of all
 /// rounding, eight elements, faces or vertices at a time; what that leaves open is decided one by one, exactly.
@@ -20,12 +20,18 @@ class DeformedMesh {
 
   /// Takes new positions, builds the hierarchies anew and examines the pose. O(n log n), parallel.
   /// @throws Error  when the number of positions is not that of the vertices, or one is not finite
-  void rebuild(std::span<const Vec<D>> positions);
+  void rebuild(std::span<const Vec<D>> positions) {
+    rebuild_elements(positions);
+    update_faces();
+  }
+  /// The same without the hierarchy over the faces, which update_faces() builds when it is needed.
+  void rebuild_elements(std::span<const Vec<D>> positions);
 
-  /// The same, but refits the hierarchies, and rebuilds only one whose quality has become poor. O(n), parallel. In two
-  /// halves: all but the hierarchy over the faces, then that, unless it is of this pose already.
+  /// Takes new positions and refits the hierarchy over the elements, or rebuilds it when its quality has become poor;
+  /// examines the pose. O(n), parallel.
   /// @return  whether the hierarchy over the elements is a new one
   bool update_elements(std::span<const Vec<D>> positions);
+  /// The same for the hierarchy over the faces, unless it is of this pose already.
   void update_faces();
   /// Whether the hierarchy over the faces is of this pose.
   bool has_faces() const { return has_faces_; }
@@ -53,7 +59,7 @@ class DeformedMesh {
   /// Inverted or flat, ascending.
   std::span<const Index> defective_elements() const { return defective_; }
   /// Per vertex: 1 when the elements around it, if all are positive, are proven to cover no direction twice.
-  std::span<const std::uint8_t> settled() const { return is_settled_; }
+  std::span<const std::uint8_t> locally_injective() const { return locally_injective_; }
   std::span<const ComponentState> component_states() const { return component_states_; }
 
   /// Where the defects are, in the frame's boxes, and a hierarchy over them.
@@ -87,11 +93,11 @@ class DeformedMesh {
   void add_ray(Index vertex, int backward, std::uint32_t elements);
   void count_rays();
   void prove_boundary_vertices();
-  void settle_vertices();
+  void prove_local_injectivity();
 
   void find_overwound_interior_ridges();
   void find_overwound_boundary_ridges();
-  bool has_settled(const VertexTuple<D - 1>& ridge) const;
+  bool has_locally_injective(const VertexTuple<D - 1>& ridge) const;
   bool turns_forward(const VertexTuple<D - 1>& ridge, std::span<const Index> link, bool closed) const;
   void find_folds();
   template <std::size_t N>
@@ -109,7 +115,7 @@ class DeformedMesh {
 
   Bvh elements_, faces_;
   int face_refits_ = 0;
-  bool has_faces_ = false;
+  bool has_faces_ = false, builds_faces_ = true;
   std::vector<LeafNode<D + 1>> element_leaves_;
   std::vector<LeafNode<D>> face_leaves_;
 
@@ -117,8 +123,8 @@ class DeformedMesh {
   std::int64_t inner_ray_count_ = 0;
   std::vector<std::uint8_t> ray_marks_;    ///< two per vertex, see ElementTask
   std::vector<std::uint32_t> ray_counts_;  ///< per inner vertex; complete only after count_rays()
-  std::vector<std::uint8_t> cullable_, is_settled_;
-  bool all_inner_settled_ = false;
+  std::vector<std::uint8_t> cullable_, locally_injective_;
+  bool all_inner_injective_ = false;
   std::vector<NormalBox> vertex_normals_;  ///< of boundary vertices; unbounded where not cullable
   std::vector<NormalBox> node_normals_;    ///< of the faces below each node
   std::vector<ConeNode> cones_;

@@ -23,7 +23,7 @@ auto& ridges_of_element() {
 }
 
 template <int D>
-Index neighbour_behind(const SimplexMesh<D>& mesh, Index element, Index vertex) {
+HalfFace neighbour_behind(const SimplexMesh<D>& mesh, Index element, Index vertex) {
   const auto& vertices = mesh.elements()[element];
   return mesh.neighbours()[element][std::find(vertices.begin(), vertices.end(), vertex) - vertices.begin()];
 }
@@ -35,13 +35,13 @@ bool collect_interior_link(const SimplexMesh<D>& mesh, Index start, Index from, 
   link.assign({from, to});
   Index element = start, behind = from, apex = to;
   for (;;) {
-    const Index across = neighbour_behind(mesh, element, behind);
-    if (across < 0) return false;
-    element = HalfFace{across}.element();
+    const HalfFace across = neighbour_behind(mesh, element, behind);
+    if (!across.exists()) return false;
+    element = across.element();
     if (element == start) break;
     if (element < start) return false;
     behind = apex;
-    apex = mesh.elements()[element][HalfFace{across}.face()];
+    apex = mesh.elements()[element][across.face()];
     link.push_back(apex);
   }
   link.pop_back();  // the last element leads back to `from`
@@ -60,10 +60,10 @@ std::vector<Index> nearest_boundary_faces(const SimplexMesh<D>& mesh) {
     front.push_back(owner);
   }
   for (std::size_t i = 0; i < front.size(); ++i) {
-    for (Index across : mesh.neighbours()[front[i]]) {
-      if (across < 0 || nearest[HalfFace{across}.element()] != kNone) continue;
-      nearest[HalfFace{across}.element()] = nearest[front[i]];
-      front.push_back(HalfFace{across}.element());
+    for (const HalfFace across : mesh.neighbours()[front[i]]) {
+      if (!across.exists() || nearest[across.element()] != kNone) continue;
+      nearest[across.element()] = nearest[front[i]];
+      front.push_back(across.element());
     }
   }
   return nearest;
@@ -77,11 +77,11 @@ void collect_boundary_link(const SimplexMesh<D>& mesh, Index face, int corner, s
   Index behind = mesh.boundary_faces()[face][corner];
   link.assign({behind, apex});
   for (;;) {
-    const Index across = neighbour_behind(mesh, element, behind);
-    if (across < 0) return;
+    const HalfFace across = neighbour_behind(mesh, element, behind);
+    if (!across.exists()) return;
     behind = apex;
-    element = HalfFace{across}.element();
-    apex = mesh.elements()[element][HalfFace{across}.face()];
+    element = across.element();
+    apex = mesh.elements()[element][across.face()];
     link.push_back(apex);
   }
 }
@@ -143,12 +143,12 @@ bool is_boundary_ridge(const SimplexMesh<D>& mesh, const VertexTuple<D - 1>& rid
 template <int D>
 SortedFans<D, 2> collect_interior_fans(const SimplexMesh<D>& mesh, std::span<const std::uint8_t> is_on_boundary,
                                        std::span<std::uint8_t> is_split) {
-  constexpr std::size_t kFewest = 5;
+  constexpr std::size_t kMinLinkSize = 5;
   return collect_fans<D, 2>(mesh.element_count(), [&](Index e, std::vector<Index>& link, auto&& add) {
     const auto& v = mesh.elements()[e];
     std::array<bool, D + 1> may_lead;  // the face opposite to each vertex, to an element with a larger index
     for (int i = 0; i <= D; ++i) {
-      const HalfFace across{mesh.neighbours()[e][i]};
+      const HalfFace across = mesh.neighbours()[e][i];
       may_lead[i] = across.exists() && across.element() > e;
     }
     for (const auto& r : ridges_of_element<D>()) {
@@ -159,19 +159,19 @@ SortedFans<D, 2> collect_interior_fans(const SimplexMesh<D>& mesh, std::span<con
       const bool spans = std::all_of(ridge.begin(), ridge.end(), [&](Index w) { return is_on_boundary[w] != 0; });
       if (spans && is_boundary_ridge(mesh, ridge))
         for (Index w : ridge) std::atomic_ref(is_split[w]).store(1, std::memory_order_relaxed);
-      if (link.size() >= kFewest) add(spans ? 0 : 1, ridge, e);
+      if (link.size() >= kMinLinkSize) add(spans ? 0 : 1, ridge, e);
     }
   });
 }
 
 template <int D>
 typename PathTopology<D>::Fans collect_boundary_fans(const SimplexMesh<D>& mesh) {
-  constexpr std::size_t kFewest = 4;  // link vertices of three elements
+  constexpr std::size_t kMinLinkSize = 4;  // link vertices of three elements
   const auto collect = [&](Index b, std::vector<Index>& link, auto&& add) {
     for (int k = 0; k < D; ++k) {
       if (mesh.boundary_neighbours()[b][k] < b) continue;
       collect_boundary_link(mesh, b, k, link);
-      if (link.size() < kFewest) continue;
+      if (link.size() < kMinLinkSize) continue;
       const auto& f = mesh.boundary_faces()[b];
       if constexpr (D == 3) {  // the link turns counter-clockwise against the face's own order
         add(0, {f[(k + 2) % 3], f[(k + 1) % 3]}, mesh.boundary_owners()[b].element());
@@ -208,8 +208,8 @@ class SplitSearch {
       const auto& vertices = mesh_.elements()[element];
       const auto& neighbours = mesh_.neighbours()[element];
       for (int k = 0; k <= D; ++k) {
-        const bool leads = static_cast<int>(neighbours[k] >= 0) & static_cast<int>(vertices[k] != v);
-        const Index next = leads ? HalfFace{neighbours[k]}.element() : element;
+        const bool leads = static_cast<int>(neighbours[k].exists()) & static_cast<int>(vertices[k] != v);
+        const Index next = leads ? neighbours[k].element() : element;
         reached_[count] = next;
         count += reached_at_[next] != v;
         reached_at_[next] = v;
@@ -272,7 +272,7 @@ std::vector<HalfFace> find_disagreeing(const SimplexMesh<D>& mesh) {
   std::mutex listing;
   parallel_for(mesh.element_count(), kGrain, [&](std::int64_t e) {
     for (int i = 0; i <= D; ++i) {
-      const HalfFace across{mesh.neighbours()[e][i]};
+      const HalfFace across = mesh.neighbours()[e][i];
       if (!across.exists() || across.element() < e ||
           is_odd(mesh.face_of(mesh.elements()[e], i), mesh.face_of(mesh.elements()[across.element()], across.face())))
         continue;
@@ -288,7 +288,8 @@ template <int D>
 std::vector<PathElement<D>> list_elements(const SimplexMesh<D>& mesh) {
   std::vector<PathElement<D>> elements(mesh.element_count());
   parallel_for(std::ssize(elements), kGrain, [&](std::int64_t e) {
-    elements[e] = {mesh.elements()[e], mesh.neighbours()[e]};
+    elements[e].vertices = mesh.elements()[e];
+    for (int i = 0; i <= D; ++i) elements[e].neighbours[i] = mesh.neighbours()[e][i].code;
   });
   return elements;
 }

@@ -5,14 +5,14 @@
 
 namespace selvage {
 
-/// What a walk needs of an element, in one line of the cache.
+/// Element as a tetrahedral traversal reads it: in one line of the cache.
 template <int D>
 struct alignas(32) PathElement {
   VertexTuple<D + 1> vertices;
-  std::array<Index, D + 1> neighbours;  ///< as SimplexMesh::neighbours()
+  std::array<Index, D + 1> neighbours;  ///< codes of SimplexMesh::neighbours(), bare for the kernels
 };
 
-/// What a search needs of a boundary face, in one line of the cache.
+/// Boundary face as a search reads it: in one line of the cache.
 template <int D>
 struct alignas(32) FaceStar {
   VertexTuple<D> vertices;
@@ -20,7 +20,7 @@ struct alignas(32) FaceStar {
   Index component;
 };
 
-/// What searches need to know of a mesh beside its topology, computed once.
+/// Topology of a mesh as searches read it, computed once.
 template <int D>
 struct PathTopology {
   explicit PathTopology(const SimplexMesh<D>& mesh);

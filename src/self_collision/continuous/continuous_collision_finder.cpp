@@ -28,9 +28,9 @@ UnsetVector<MovingTriangle> assign_representatives(const TriangleMesh& mesh) {
     triangle = {mesh.triangles()[t], 0};
     for (int i = 0; i < 3; ++i) {
       triangle.represented |= (mesh.vertex_triangles(triangle.vertices[i]).front() == t) << i;
-      const Index across = mesh.neighbours()[t][i];
+      const HalfFace across = mesh.neighbours()[t][i];
       const bool is_first =
-          across == kNone ? mesh.edge_triangles(mesh.triangle_edges()[t][i]).front() == t : t < across / 4;
+          across.exists() ? t < across.element() : mesh.edge_triangles(mesh.triangle_edges()[t][i]).front() == t;
       triangle.represented |= is_first << (3 + i);
     }
   });

@@ -14,8 +14,8 @@ namespace {
 ///
 /// @param corner  the number of the triangle's vertex opposite to that edge
 /// @param across  what lies across it (see TriangleMesh::neighbours())
-bool do_agree(const TriangleMesh& mesh, Index triangle, int corner, Index across) {
-  return mesh.triangles()[triangle][(corner + 1) % 3] == mesh.triangles()[across / 4][(across % 4 + 2) % 3];
+bool do_agree(const TriangleMesh& mesh, Index triangle, int corner, HalfFace across) {
+  return mesh.triangles()[triangle][(corner + 1) % 3] == mesh.triangles()[across.element()][(across.face() + 2) % 3];
 }
 
 /// For each triangle whether it must be turned so that it agrees with its neighbours, each component starting from its
@@ -31,11 +31,11 @@ std::vector<char> find_inverted_vertices(const TriangleMesh& mesh) {
       const Index t = waiting.back();
       waiting.pop_back();
       for (int i = 0; i < 3; ++i) {
-        const Index across = mesh.neighbours()[t][i];
-        if (across == kNone || seen[across / 4]) continue;
-        seen[across / 4] = 1;
-        turned[across / 4] = do_agree(mesh, t, i, across) ? turned[t] : !turned[t];
-        waiting.push_back(across / 4);
+        const HalfFace across = mesh.neighbours()[t][i];
+        if (!across.exists() || seen[across.element()]) continue;
+        seen[across.element()] = 1;
+        turned[across.element()] = do_agree(mesh, t, i, across) ? turned[t] : !turned[t];
+        waiting.push_back(across.element());
       }
     }
   }
@@ -104,19 +104,19 @@ UnsetVector<Index> SurfacePieces::place_triangles(const TriangleMesh& mesh, std:
       std::swap(across_b, across_c);
     }
     triangles_[place] = {a, b, c};
-    opposite_[3 * place] = across_c;
-    opposite_[3 * place + 1] = across_a;
-    opposite_[3 * place + 2] = across_b;
+    opposite_[3 * place] = across_c.code;
+    opposite_[3 * place + 1] = across_a.code;
+    opposite_[3 * place + 2] = across_b.code;
   });
   return place_of;
 }
 
 void SurfacePieces::link_edges(std::span<const char> turned, std::span<const Index> place_of) {
   parallel_for(std::ssize(opposite_), 3 * kGrain, [&](std::int64_t edge) {
-    const Index across = opposite_[edge];
-    if (across == kNone) return;
-    const int corner = !turned.empty() && turned[across / 4] ? (3 - across % 4) % 3 : across % 4;
-    const Index other = 3 * place_of[across / 4] + (corner == 2 ? 0 : corner + 1);
+    const HalfFace across{opposite_[edge]};
+    if (!across.exists()) return;
+    const int corner = !turned.empty() && turned[across.element()] ? (3 - across.face()) % 3 : across.face();
+    const Index other = 3 * place_of[across.element()] + (corner == 2 ? 0 : corner + 1);
     opposite_[edge] = turned.empty() || tail(static_cast<Index>(edge)) == head(other) ? other : kNone;
   });
 }

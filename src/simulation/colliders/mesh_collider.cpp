@@ -86,8 +86,8 @@ std::vector<SurfacePiece> pieces_of(const TriangleMesh& mesh, std::span<const Ve
       open.pop_back();
       const auto& [a, b, c] = mesh.triangles()[t];
       piece.add(positions[mesh.triangles()[first][0]], {positions[a], positions[b], positions[c]});
-      for (const Index code : mesh.neighbours()[t])
-        if (!std::exchange(seen[code / 4], 1)) open.push_back(code / 4);
+      for (const HalfFace across : mesh.neighbours()[t])
+        if (!std::exchange(seen[across.element()], 1)) open.push_back(across.element());
     }
   }
   return pieces;
