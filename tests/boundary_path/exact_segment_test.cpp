@@ -151,8 +151,8 @@ RationalOffset project(const Vec3& p, const TargetSimplex<3>& target) {
   return result;
 }
 
-// p from far away to as close as a rounding, on slivers and on tiny and huge triangles: most by doubles twice as long,
-// the rest by integers.
+// p from far away to as close as a rounding, on slivers and on tiny and huge triangles: most by double-double
+// arithmetic, the rest by integers.
 TEST(PreciseOffset, IsThatOfRationals) {
   test::Random random(test::seed(7));
   const std::int64_t count = test::scaled(4000);

@@ -1,4 +1,4 @@
-// What a bundle takes for a path must be one to the walk that follows it alone and exactly, and not many may be missed.
+// A path that a packet finds must be one to the traversal that follows it alone and exactly, and few may be missed.
 #include "boundary_path/packets/traversal_packet.h"
 #include "boundary_path/families/families.h"
 #include "boundary_path/injectivity/deformed_mesh.h"
@@ -13,7 +13,7 @@
 namespace selvage {
 namespace {
 
-/// What walks need of a mesh and its pose.
+/// A mesh and its pose as traversals read them.
 class Material {
  public:
   Material(const std::vector<Vec3>& positions, const std::vector<VertexTuple<4>>& elements)
@@ -59,31 +59,32 @@ struct Tally {
 };
 
 /// Sixteen queries: the paths to the face near in the mesh, or to any.
-void compare(const Material& material, test::Random& random, TetTraversalPacket& bundle, Tally& tally) {
+void compare(const Material& material, test::Random& random, TetTraversalPacket& packet, Tally& tally) {
   const PathInput<3>& input = material.input();
   std::array<PathQuery<3>, kPacketSize> queries;
   std::array<Candidate<3>, kPacketSize> candidates;
-  alignas(64) float eye[3][kPacketSize] = {};
-  unsigned walks = 0;
-  bundle.clear();
+  alignas(64) float query_points[3][kPacketSize] = {};
+  unsigned traversals = 0;
+  packet.clear();
   for (int lane = 0; lane < kPacketSize; ++lane) {
     queries[lane] = random_query(material, random);
     const CandidateFactory<3> factory(input, queries[lane].point);
     const Index hint = material.topology().hints[queries[lane].element];
     const Index face = random.below(3) == 0 ? random.below(material.mesh().boundary_faces().size()) : hint;
     candidates[lane] = factory.make(face, factory.estimate(face));
-    for (int i = 0; i < 3; ++i) eye[i][lane] = static_cast<float>(queries[lane].point[i] - input.frame.origin[i]);
+    for (int i = 0; i < 3; ++i)
+      query_points[i][lane] = static_cast<float>(queries[lane].point[i] - input.frame.origin[i]);
     if (is_split(input, candidates[lane])) continue;
     if (TetTraversal<3>(input, queries[lane], true, nullptr).starts_at(candidates[lane])) continue;
-    bundle.add(lane, queries[lane].element, candidates[lane]);
-    walks |= 1u << lane;
+    packet.add(lane, queries[lane].element, candidates[lane]);
+    traversals |= 1u << lane;
   }
-  const unsigned found = bundle.follow(eye);
-  const unsigned blocked = bundle.blocked();
-  ASSERT_EQ((found | blocked) & ~walks, 0u);
+  const unsigned found = packet.follow(query_points);
+  const unsigned blocked = packet.blocked();
+  ASSERT_EQ((found | blocked) & ~traversals, 0u);
   ASSERT_EQ(found & blocked, 0u);
   for (int lane = 0; lane < kPacketSize; ++lane) {
-    if ((walks >> lane & 1) == 0) continue;
+    if ((traversals >> lane & 1) == 0) continue;
     PathCounters counters;
     const bool is_path = TetTraversal<3>(input, queries[lane], true, &counters).follow(candidates[lane], false).valid;
     tally.paths += is_path;
@@ -95,16 +96,16 @@ void compare(const Material& material, test::Random& random, TetTraversalPacket&
     if ((found >> lane & 1) == 0) continue;
     ++tally.found;
     ASSERT_TRUE(is_path) << "element " << queries[lane].element << ", face " << candidates[lane].face;
-    ASSERT_EQ(bundle.elements_visited(lane), counters.elements_visited);
+    ASSERT_EQ(packet.elements_visited(lane), counters.elements_visited);
   }
 }
 
 Tally compare_many(const Material& material) {
   test::Random random(test::seed(7));
-  TetTraversalPacket bundle(material.input());
+  TetTraversalPacket packet(material.input());
   Tally tally;
   for (std::int64_t i = 0; i < test::scaled(2000) && !testing::Test::HasFatalFailure(); ++i)
-    compare(material, random, bundle, tally);
+    compare(material, random, packet, tally);
   return tally;
 }
 

@@ -6,14 +6,15 @@
 
 namespace selvage {
 
-/// The one exception type of the project: raised at the doors (mesh construction, file reading, public calls).
+/// The one exception type of the project: raised where input comes in (mesh construction, file reading,
+/// public calls).
 ///
 /// `what()` is one line: "where: what; remedy". `where` names a file with its line or byte offset, or an element.
 class Error : public std::runtime_error {
  public:
   /// @param where   file and line or byte offset, or element number; may be empty
   /// @param what    what is wrong
-  /// @param remedy  what would mend it; may be empty
+  /// @param remedy  what to do about it; may be empty
   Error(std::string_view where, std::string_view what, std::string_view remedy = {});
 };
 

@@ -60,7 +60,7 @@ struct Boxes {
   }
 };
 
-/// What the rays of eight elements' vertices do: bit 8 k + i for vertex k of element i.
+/// Elements that hold a ray of one of their vertices, of eight: bit 8 k + i for vertex k of element i.
 struct Rays {
   std::uint32_t forward = 0, backward = 0;
   unsigned sure = 0xff;  ///< elements that are positive and whose rays are known, for certain
@@ -213,7 +213,7 @@ void fit_all_faces(const FaceTask<D>& task, Index first, Index last) {
 /// A direction that no boundary edge is likely to be across.
 constexpr float kGeneric[3] = {0.3571f, 0.6139f, 0.7041f};
 
-/// What is known of eight boundary vertices from their rims.
+/// Facts about eight boundary vertices, from their rims.
 struct RimFacts {
   unsigned proven;
   Float8 lower[4], negated_upper[4];  ///< of the faces' unit normals; the last row is 0

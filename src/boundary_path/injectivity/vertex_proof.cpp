@@ -30,7 +30,7 @@ Vec<D> unit_normal(std::span<const Vec<D>> positions, const VertexTuple<D>& face
 
 }  // namespace
 
-/// What is left to prove in the plane, that the elements turn by less than 2 pi, is seen to with the boundary ridges.
+/// In the plane the elements must also turn by less than 2 pi: that is tested with the boundary ridges.
 bool is_proven_injective(const SimplexMesh<2>& mesh, std::span<const Vec2> positions, Index vertex,
                          NormalBox& normals) {
   const auto star = mesh.vertex_boundary_faces(vertex);

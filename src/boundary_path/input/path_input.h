@@ -9,8 +9,8 @@
 
 namespace selvage {
 
-/// What a pose of a component allows (SPB sections 3.2, 3.5 and 3.6). Its defects matter only to paths that are long
-/// enough to meet them: nearer to p than any of them everything holds as in an immersed component.
+/// Rules that hold for a component in a pose (SPB sections 3.2, 3.5 and 3.6). Its defects matter only to paths that are
+/// long enough to meet them: nearer to p than any of them everything holds as in an immersed component.
 enum class ComponentState : std::uint8_t {
   kImmersed,   ///< locally injective inside: theorems 1 and 2 hold, and with them culling and bounds from blocked rays
   kOverwound,  ///< no inverted element, but overwound ridges, or folds: only the definition holds
@@ -78,7 +78,7 @@ struct PathTask {
   Index warm_start = kNone;
 };
 
-/// What a search found, in the input's scale. `face` is kNone when nothing was found.
+/// Result of a search, in the input's scale. `face` is kNone when nothing was found.
 template <int D>
 struct PathResult {
   PathStatus status = PathStatus::kNoPath;

@@ -70,7 +70,10 @@ void ContainmentSearch<D>::list_own_elements() {
 
 template <int D>
 std::vector<PointInElement> ContainmentSearch<D>::find_boundary_vertices() const {
-  return sorted(find({pose_.positions().data(), pose_.rounded_positions().data(), boundary_order_, own_of_groups_}),
+  return sorted(find({.points = pose_.positions().data(),
+                      .rounded = pose_.rounded_positions().data(),
+                      .ids = boundary_order_,
+                      .own = own_of_groups_}),
                 pose_.positions().size());
 }
 
@@ -79,7 +82,11 @@ std::vector<PointInElement> ContainmentSearch<D>::find_vertices(std::span<const 
   std::vector<Index> order(vertices.begin(), vertices.end());
   order_in_space(pose_.rounded_positions(), order);
   const std::vector<const OwnElements*> own(group_count(order.size()), &kNoOwn);
-  auto pairs = find({pose_.positions().data(), pose_.rounded_positions().data(), order, own, true});
+  auto pairs = find({.points = pose_.positions().data(),
+                     .rounded = pose_.rounded_positions().data(),
+                     .ids = order,
+                     .own = own,
+                     .are_vertices = true});
   std::sort(pairs.begin(), pairs.end(), [](PointInElement a, PointInElement b) {
     return std::pair(a.point, a.element) < std::pair(b.point, b.element);
   });
@@ -98,7 +105,7 @@ std::vector<PointInElement> ContainmentSearch<D>::find_points(std::span<const Ve
   std::iota(order.begin(), order.end(), 0);
   order_in_space(rounded, order);
   const std::vector<const OwnElements*> own(group_count(points.size()), &kNoOwn);
-  return sorted(find({points.data(), rounded.data(), order, own}), points.size());
+  return sorted(find({.points = points.data(), .rounded = rounded.data(), .ids = order, .own = own}), points.size());
 }
 
 template <int D>
@@ -106,16 +113,22 @@ std::vector<PointInElement> ContainmentSearch<D>::find(const PointBatch<D>& batc
   // Few groups one by one, so that there are some for each core.
   constexpr std::size_t kMaxGroups = 32, kPieces = 16;
   const std::size_t at_once = std::clamp<std::size_t>(batch.own.size() / kPieces, 1, kMaxGroups);
-  const ContainmentInput<D> input{pose_.positions().data(), mesh_.elements().data(), pose_.rounded_positions().data(),
-                                  pose_.rounding(), elements_.nodes()};
+  const ContainmentInput<D> input{.positions = pose_.positions().data(),
+                                  .elements = mesh_.elements().data(),
+                                  .rounded = pose_.rounded_positions().data(),
+                                  .rounding = pose_.rounding(),
+                                  .nodes = elements_.nodes()};
   const auto share = [](auto all, std::size_t k, std::size_t size) {
     const auto rest = all.subspan(k * size);
     return rest.first(std::min(rest.size(), size));
   };
   std::vector<std::vector<PointInElement>> pieces((batch.own.size() + at_once - 1) / at_once);
   parallel_for(std::ssize(pieces), 1, [&](std::int64_t k) {
-    const PointBatch<D> piece{batch.points, batch.rounded, share(batch.ids, k, at_once * kPacketSize),
-                              share(batch.own, k, at_once), batch.are_vertices};
+    const PointBatch<D> piece{.points = batch.points,
+                              .rounded = batch.rounded,
+                              .ids = share(batch.ids, k, at_once * kPacketSize),
+                              .own = share(batch.own, k, at_once),
+                              .are_vertices = batch.are_vertices};
     SELVAGE_DISPATCH(find_containing, input, piece, pieces[k]);
   });
 

@@ -7,7 +7,7 @@ namespace selvage {
 
 /// Finds the elements that hold points: closed, decided exactly.
 ///
-/// Points are sorted into groups of neighbours; a group walks down the hierarchy over the elements together. Refers to
+/// Points are sorted into groups of neighbours; a group descends the hierarchy over the elements together. Refers to
 /// all that it is made of.
 template <int D>
 class ContainmentSearch {

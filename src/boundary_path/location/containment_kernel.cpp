@@ -13,13 +13,13 @@ namespace {
 constexpr std::int32_t kLanes[8] = {0, 1, 2, 3, 4, 5, 6, 7};
 constexpr std::uint16_t kNoPoints[8] = {};
 
-/// Walks down the hierarchy over the elements with a group of points at a time: first to elements that have points near
+/// Descends the hierarchy over the elements with a group of points at a time: first to elements that have points near
 /// their boxes, then to those that have some inside, which are compared with the points eight elements at a time. Few
 /// branches: none of what happens at a node can be predicted.
 template <int D>
-class PacketSearch {
+class GroupSearch {
  public:
-  PacketSearch(const ContainmentInput<D>& input, const PointBatch<D>& batch, std::vector<PointInElement>& found)
+  GroupSearch(const ContainmentInput<D>& input, const PointBatch<D>& batch, std::vector<PointInElement>& found)
       : input_(input), batch_(batch), found_(found), waiting_(256) {}
 
   /// One group of the batch. Level by level, so that nodes have arrived when their turn comes, and in the order of
@@ -132,7 +132,7 @@ class PacketSearch {
 template <int D>
 void find_all(const ContainmentInput<D>& input, const PointBatch<D>& batch, std::vector<PointInElement>& found) {
   if (input.nodes.empty()) return;
-  PacketSearch<D> search(input, batch, found);
+  GroupSearch<D> search(input, batch, found);
   for (Index group = 0; group < std::ssize(batch.own); ++group) search.search(group);
 }
 

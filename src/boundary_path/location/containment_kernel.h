@@ -15,7 +15,7 @@ struct PointInElement {
 /// A position in the input's frame, each coordinate to the nearest float (the rest 0).
 using RoundedPosition = std::array<float, 4>;
 
-/// What a containment search reads of the mesh.
+/// Mesh and pose as a containment search reads them.
 template <int D>
 struct ContainmentInput {
   const Vec<D>* positions;

@@ -156,7 +156,7 @@ void order_in_space(std::span<const std::array<float, 4>> places, std::span<Inde
 }
 
 std::vector<Index> order_along_curve(std::span<const PlacePair> places) {
-  constexpr std::size_t kFewForLongDigits = 2048;
+  constexpr std::size_t kMinForLongDigits = 2048;
   const CurveGrid grid(places);
   std::vector<Index> numbers(places.size());
   if (std::ssize(places) > kChunk) {
@@ -170,7 +170,7 @@ std::vector<Index> order_along_curve(std::span<const PlacePair> places) {
   }
   std::vector<std::uint64_t> items(places.size());
   for (std::size_t i = 0; i < items.size(); ++i) items[i] = std::uint64_t{grid.along(places[i], true)} << 32 | i;
-  if (items.size() < kFewForLongDigits)
+  if (items.size() < kMinForLongDigits)
     sort_few<6>(items);
   else
     sort_few<10>(items);

@@ -6,7 +6,7 @@
 
 namespace selvage {
 
-/// Queries that walk down a hierarchy together.
+/// Queries that descend a hierarchy together.
 inline constexpr Index kPacketSize = 16;
 
 /// Sorts numbers of places (the fourth coordinate says nothing) so that each run of kPacketSize of them lies close

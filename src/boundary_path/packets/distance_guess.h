@@ -56,7 +56,7 @@ void PacketSearch<D>::approach(unsigned lanes) {
   for (int lane = 0; lane < kWidth; ++lane)
     if ((lanes >> lane & 1) == 0) guesses_.face[lane] = guesses_.face[lowest_lane(lanes)];
   unsigned moving = lanes;
-  for (int step = 0; step < kMaxSteps && (step == 0 || count_bits(moving) > kFewToGoOn); ++step) {
+  for (int step = 0; step < kMaxSteps && (step == 0 || count_bits(moving) > kMaxLeftBehind); ++step) {
     const FaceFindings<D> found = look_at(view(guesses_.face, kLanes));
     alignas(64) float squared[kWidth], points[3][kWidth];
     dot(found.way, found.way).store(squared);
@@ -118,7 +118,7 @@ template <int D>
 void PacketSearch<D>::keep_answers(unsigned lanes) {
   latest_.count = 0;
   for (unsigned rest = lanes; rest != 0; rest &= rest - 1) {
-    const Search<D>& search = searches_[lowest_lane(rest)];
+    const LaneSearch<D>& search = searches_[lowest_lane(rest)];
     if (!search.has_answer()) continue;
     const Answer<D> answer = search.answer();
     for (int i = 0; i < 3; ++i)

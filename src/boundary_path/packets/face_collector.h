@@ -44,8 +44,8 @@ struct ChildCone {
   /// How far p is outside the cone of directions around the axis' opposite, opened at each point of the child's sphere.
   /// Slack for the rounding of positions in the frame, which is a few units across, and for the root of a small
   /// difference, which loses half its digits.
-  SELVAGE_INLINE unsigned is_culled_by_cone(const LaneVec3<Lanes>& eye, unsigned one_sided) const {
-    const LaneVec3<Lanes> from_middle = eye - middle;
+  SELVAGE_INLINE unsigned is_culled_by_cone(const LaneVec3<Lanes>& query_point, unsigned one_sided) const {
+    const LaneVec3<Lanes> from_middle = query_point - middle;
     const Lanes along = dot(from_middle, axis), squared_length = dot(from_middle, from_middle);
     const Lanes across = sqrt(max(squared_length - along * along, Lanes::broadcast(0))) * cosine, lift = along * sine;
     const Lanes reach = radius + abs_sum(from_middle) * Lanes::broadcast(1e-3f);
@@ -56,7 +56,7 @@ struct ChildCone {
 /// Lists for each lane the faces that may be its answer.
 template <int D>
 void PacketSearch<D>::collect_faces() {
-  walk_down();
+  descend();
   if (faces_.count == 0) return;
   repeat_last_face();
   if constexpr (D == 3) {
@@ -114,7 +114,7 @@ void PacketSearch<D>::leave_out_far_faces() {
 
 /// Nodes that most of the group comes to are visited once for all, others for each lane alone.
 template <int D>
-void PacketSearch<D>::walk_down() {
+void PacketSearch<D>::descend() {
   nodes_.count = faces_.count = 0;
   if (input_.face_nodes.empty() || present_ == 0) return;
   const traversal::WideBox reach(box_of_reach(limit_));
@@ -122,7 +122,7 @@ void PacketSearch<D>::walk_down() {
   nodes_.lanes[nodes_.count++] = static_cast<Index>(present_);
   compare_cones();
   for (std::size_t next = 0; next < nodes_.count; ++next) {
-    nodes_.reserve(kFewAtNode * BvhNode::kWidth);
+    nodes_.reserve(kSmallGroup * BvhNode::kWidth);
     faces_.reserve(kWidth * BvhNode::kWidth);
     const Index ahead = nodes_.items[next + kAhead < nodes_.count ? next + kAhead : next];
     traversal::prefetch_node(input_.face_nodes[ahead]);
@@ -131,7 +131,7 @@ void PacketSearch<D>::walk_down() {
     const Index place = nodes_.items[next];
     const unsigned lanes = static_cast<unsigned>(nodes_.lanes[next]);
     if (!compares_cones_ && faces_.count >= compare_again_at_) compare_cones();
-    if (count_bits(lanes) > kFewAtNode)
+    if (count_bits(lanes) > kSmallGroup)
       visit_together(place, lanes, reach);
     else
       for (unsigned rest = lanes; rest != 0; rest &= rest - 1) visit(place, lowest_lane(rest));
@@ -159,7 +159,7 @@ Box PacketSearch<D>::box_of_reach(const float (&squared_reach)[kWidth]) const {
 }
 
 /// To compare a face with its cone costs more than with its box. Where some faces of a group are hardly ever left out
-/// for it, many others are spared, until some are compared again.
+/// for it, the next ones are not compared with theirs, until some are compared again.
 template <int D>
 void PacketSearch<D>::compare_cones() {
   compares_cones_ = true;
@@ -167,16 +167,16 @@ void PacketSearch<D>::compare_cones() {
 }
 
 template <int D>
-SELVAGE_INLINE void PacketSearch<D>::count_faces_culled_by_cone(unsigned near, unsigned askew) {
+SELVAGE_INLINE void PacketSearch<D>::count_faces_culled_by_cone(unsigned near, unsigned culled) {
   constexpr int kWorthwhile = 12;
-  constexpr std::size_t kSpared = 192;
+  constexpr std::size_t kFacesBetween = 192;
   if (left_to_compare_ <= 0) return;
   near_faces_ += count_lanes(near);
-  faces_culled_by_cone_ += count_lanes(near & askew);
+  faces_culled_by_cone_ += count_lanes(near & culled);
   left_to_compare_ -= count_lanes(near);
   if (left_to_compare_ > 0) return;
   compares_cones_ = faces_culled_by_cone_ * kWorthwhile >= near_faces_;
-  compare_again_at_ = faces_.count + kSpared;
+  compare_again_at_ = faces_.count + kFacesBetween;
 }
 
 template <int D>
@@ -196,10 +196,10 @@ SELVAGE_INLINE void PacketSearch<D>::visit_together(Index place, unsigned lanes,
       const ChildCone<Float16> cone = {broadcast_axes<Float16>(spheres.middle, k),
                                        broadcast_axes<Float16>(cones.axis, k), Float16::broadcast(spheres.radius[k]),
                                        Float16::broadcast(cones.cosine[k]), Float16::broadcast(cones.sine[k])};
-      const unsigned askew =
+      const unsigned culled =
           cone.is_culled_by_cone(load_axes<Float16>(query_point_), 0u - (~cones.two_sided >> k & 1u)) & culling_;
-      if (child >= 0) count_faces_culled_by_cone(wanted, askew);
-      wanted &= ~askew;
+      if (child >= 0) count_faces_culled_by_cone(wanted, culled);
+      wanted &= ~culled;
     }
     if (child < 0) {
       nodes_.items[nodes_.count] = ~child;
@@ -230,10 +230,10 @@ SELVAGE_INLINE void PacketSearch<D>::visit(Index place, Index lane) {
     const ChildSpheres spheres(node);
     const ChildCone<Float8> cone = {load_axes<Float8>(spheres.middle), load_axes<Float8>(cones.axis),
                                     Float8::load(spheres.radius), Float8::load(cones.cosine), Float8::load(cones.sine)};
-    const unsigned askew =
+    const unsigned culled =
         cone.is_culled_by_cone(of_lane(query_point_), ~cones.two_sided) & (0u - (culling_ >> lane & 1u));
-    count_faces_culled_by_cone(wanted & ~nodes, askew);
-    wanted &= ~askew;
+    count_faces_culled_by_cone(wanted & ~nodes, culled);
+    wanted &= ~culled;
   }
   Index places[BvhNode::kWidth];
   (~Int8::load(node.children)).store(places);
@@ -320,7 +320,7 @@ SELVAGE_INLINE void PacketSearch<D>::look_at_faces(std::size_t first) {
     for (int k = 0; k < D; ++k)
       waiting.feature[waiting.count] |= static_cast<std::uint8_t>((found.spans[k] >> i & 1) << k);
     waiting.face[waiting.count++] = faces[i];
-    if (waiting.count == Waiting::kMost) decide(lanes[i]);
+    if (waiting.count == Waiting::kMax) decide(lanes[i]);
   }
 }
 

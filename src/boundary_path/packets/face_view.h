@@ -76,7 +76,7 @@ struct FaceView {
   }
 };
 
-/// What can be said for certain, in single precision, of the point s of each face that is closest to p.
+/// Findings that are certain in single precision about the point s of each face that is closest to p.
 template <int D>
 struct FaceFindings {
   Float16 squared_distance;  ///< never above the true one

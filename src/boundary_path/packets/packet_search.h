@@ -1,23 +1,23 @@
 #pragma once
 
 #include "boundary_path/packets/face_view.h"
+#include "boundary_path/packets/lane_search_faces.h"
 #include "boundary_path/packets/traversal_packet.h"
-#include "boundary_path/packets/triangle_aims.h"
-#include "boundary_path/search/search_faces.h"
+#include "boundary_path/packets/triangle_projections.h"
 
 namespace selvage {
 inline namespace SELVAGE_ISA {
 
 /// In the plane segments are followed one by one.
-struct NoBundle {
-  explicit NoBundle(const PathInput<2>&) {}
+struct NoTraversalPacket {
+  explicit NoTraversalPacket(const PathInput<2>&) {}
   int elements_visited(int) const { return 0; }
   unsigned blocked() const { return 0; }
 };
 
 /// The searches of up to sixteen queries that lie near each other.
 ///
-/// How far the answers are is guessed: from faces that are near in the mesh, and from each other's. Then all walk down
+/// How far the answers are is guessed: from faces that are near in the mesh, and from each other's. Then all descend
 /// the hierarchy over the boundary faces, level by level, so that a node has arrived in the cache when its turn comes,
 /// and together where many come to the same. What is left are pairs of a query and a face:
 /// sixteen at a time are looked at in single precision, and the few that may be answers are considered near to far, the
@@ -26,7 +26,7 @@ struct NoBundle {
 template <int D>
 class PacketSearch {
  public:
-  explicit PacketSearch(const PathInput<D>& input) : input_(input), bundle_(input), nodes_(kRoom), faces_(kRoom) {}
+  explicit PacketSearch(const PathInput<D>& input) : input_(input), traversals_(input), nodes_(kRoom), faces_(kRoom) {}
 
   /// Forgets what groups before have found.
   void forget() {
@@ -41,11 +41,12 @@ class PacketSearch {
  private:
   static constexpr int kWidth = kPacketSize, kVanguard = 4;
   static constexpr std::size_t kAhead = 6, kRoom = 256;
-  /// So few lanes visit a node one by one, and go no further from their guesses: it does not pay to do so with all.
+  /// At most kSmallGroup lanes visit a node one by one. Guesses are improved no further where at most kMaxLeftBehind
+  /// lanes would be.
 #ifdef SELVAGE_SIMD_AVX512
-  static constexpr int kFewAtNode = 4, kFewToGoOn = 0;
+  static constexpr int kSmallGroup = 4, kMaxLeftBehind = 0;
 #else
-  static constexpr int kFewAtNode = 6, kFewToGoOn = 2;  // sixteen lanes take two operations or more
+  static constexpr int kSmallGroup = 6, kMaxLeftBehind = 2;  // sixteen lanes take two operations or more
 #endif
 
   /// Pairs of some lanes (bits) and a node, or of a lane and a face.
@@ -70,11 +71,11 @@ class PacketSearch {
 
   /// Faces that may answer a lane's query.
   struct Waiting {
-    static constexpr int kMost = 64;
+    static constexpr int kMax = 64;
     int count = 0;
-    float squared_distance[kMost];  ///< at least
-    Index face[kMost];
-    std::uint8_t feature[kMost];  ///< vertices of the face that span the closest point's feature; 0: not known
+    float squared_distance[kMax];  ///< at least
+    Index face[kMax];
+    std::uint8_t feature[kMax];  ///< vertices of the face that span the closest point's feature; 0: not known
   };
 
   struct WaitingFace {
@@ -110,14 +111,14 @@ class PacketSearch {
   void follow_targets();
   void take_bound(int lane);
   void collect_faces();
-  void walk_down();
+  void descend();
   void look_for_defects();
   Box box_of_reach(const float (&squared_reach)[kWidth]) const;
   void visit_together(Index place, unsigned lanes, const traversal::WideBox& reach);
   void visit(Index place, Index lane);
 
   void compare_cones();
-  void count_faces_culled_by_cone(unsigned near, unsigned askew);
+  void count_faces_culled_by_cone(unsigned near, unsigned culled);
   unsigned excluded_from(const LeafNode<D>& leaf, int child) const;
   unsigned excluded_faces(const LeafNode<D>& leaf, Index lane) const;
   FaceView<D> view(const Index* faces, const Index* lanes) const;
@@ -130,8 +131,8 @@ class PacketSearch {
   void decide(int lane);
 
   const PathInput<D>& input_;
-  KernelVector<Search<D>> searches_;
-  std::conditional_t<D == 3, TetTraversalPacket, NoBundle> bundle_;
+  KernelVector<LaneSearch<D>> searches_;
+  std::conditional_t<D == 3, TetTraversalPacket, NoTraversalPacket> traversals_;
   unsigned present_ = 0;                                   ///< lanes that look for something
   unsigned culling_ = 0;                                   ///< lanes that may pass over faces because of a neighbour
   alignas(64) float culling_signs_[kWidth] = {};           ///< the same, as signs
@@ -148,7 +149,7 @@ class PacketSearch {
   std::size_t compare_again_at_ = 0;               ///< how many faces are listed when it is decided anew
   int near_faces_ = 0, faces_culled_by_cone_ = 0;  ///< of those compared before, since forget()
   Waiting waiting_[kWidth];
-  TriangleAims aims_;
+  TriangleProjections projections_;
   Guesses guesses_;
   Answers latest_;
   bool is_cautious_ = false;  ///< many guesses were bad in the group before
@@ -195,7 +196,7 @@ unsigned PacketSearch<D>::search_near_guesses(unsigned lanes, int& bad_guesses) 
   look_for_defects();
   for (unsigned rest = present_; rest != 0; rest &= rest - 1) {
     const int lane = lowest_lane(rest);
-    searches_[lane].suppose(double(kSlack * guesses_.squared_distance[lane]) + 1e-30);
+    searches_[lane].limit_to(double(kSlack * guesses_.squared_distance[lane]) + 1e-30);
     take_bound(lane);
   }
   collect_faces();
@@ -206,7 +207,7 @@ unsigned PacketSearch<D>::search_near_guesses(unsigned lanes, int& bad_guesses) 
     const int lane = lowest_lane(rest);
     take_bound(lane);
     decide(lane);
-    const bool found = searches_[lane].stop_supposing();
+    const bool found = searches_[lane].lift_limit();
     if (found) answered |= 1u << lane;
     bad_guesses +=
         !found || guesses_.squared_distance[lane] > kBad * static_cast<float>(searches_[lane].squared_bound());
@@ -228,7 +229,7 @@ void PacketSearch<D>::search_from_paths(unsigned lanes) {
   present_ = lanes;
   for (unsigned rest = lanes; rest != 0; rest &= rest - 1) {
     const int lane = lowest_lane(rest);
-    searches_[lane].aim(guesses_.face[lane]);
+    searches_[lane].nominate_from(guesses_.face[lane]);
   }
   follow_targets();
   for (unsigned rest = lanes; rest != 0; rest &= rest - 1) {
@@ -242,26 +243,26 @@ void PacketSearch<D>::search_from_paths(unsigned lanes) {
   for (unsigned rest = present_; rest != 0; rest &= rest - 1) decide(lowest_lane(rest));
 }
 
-/// Tests what the searches aim at: side by side where that may be.
+/// Tests the targets of the searches: side by side where that may be.
 template <int D>
 void PacketSearch<D>::follow_targets() {
   unsigned paths = 0;
   if constexpr (D == 3) {
-    bundle_.clear();
+    traversals_.clear();
     for (unsigned rest = present_; rest != 0; rest &= rest - 1) {
       const int lane = lowest_lane(rest);
       if (const Candidate<3>* target = searches_[lane].target())
-        bundle_.add(lane, searches_[lane].query().element, *target);
+        traversals_.add(lane, searches_[lane].query().element, *target);
     }
-    paths = bundle_.follow(query_point_);
+    paths = traversals_.follow(query_point_);
   }
   for (unsigned rest = present_; rest != 0; rest &= rest - 1) {
     const int lane = lowest_lane(rest);
-    const bool is_path = (paths >> lane & 1) != 0, is_blocked = (bundle_.blocked() >> lane & 1) != 0;
+    const bool is_path = (paths >> lane & 1) != 0, is_blocked = (traversals_.blocked() >> lane & 1) != 0;
     searches_[lane].test_target(is_path      ? SegmentState::kPath
                                 : is_blocked ? SegmentState::kBlocked
                                              : SegmentState::kUnknown,
-                                bundle_.elements_visited(lane));
+                                traversals_.elements_visited(lane));
   }
 }
 
@@ -298,8 +299,8 @@ typename PacketSearch<D>::WaitingFace PacketSearch<D>::take_nearest(int lane) {
   return face;
 }
 
-/// Considers what waits, near to far, until there is something to aim at, or an answer. Those that come first and are
-/// triangles are aimed at side by side.
+/// Considers the faces that wait, near to far, until there is a target or an answer. The first ones that are triangles
+/// have their candidates computed side by side.
 template <int D>
 void PacketSearch<D>::nominate_nearest() {
   WaitingFace first[kWidth];
@@ -314,19 +315,19 @@ void PacketSearch<D>::nominate_nearest() {
       if (first[lane].face == kNone || first[lane].feature != kTriangle) continue;
       const auto& [a, b, c] = input_.face_stars[first[lane].face].vertices;
       const Vec<3>* const x = input_.positions;
-      aims_.set(lane, searches_[lane].query().point, x[a], x[b], x[c]);
+      projections_.set(lane, searches_[lane].query().point, x[a], x[b], x[c]);
       are_made |= 1u << lane;
     }
-    aims_.aim();
+    projections_.project();
     for (unsigned rest = are_made; rest != 0; rest &= rest - 1) {
       const int lane = lowest_lane(rest);
-      aims_.get(lane, made[lane]);
+      projections_.get(lane, made[lane]);
       if (!CandidateFactory<3>::complete(input_, first[lane].face, made[lane])) are_made &= ~(rest & (0u - rest));
     }
   }
   for (unsigned rest = present_; rest != 0; rest &= rest - 1) {
     const int lane = lowest_lane(rest);
-    Search<D>& search = searches_[lane];
+    LaneSearch<D>& search = searches_[lane];
     const Candidate<D>* known = (are_made >> lane & 1) != 0 ? made + lane : nullptr;
     for (WaitingFace next = first[lane]; next.face != kNone; next = take_nearest(lane)) {
       search.nominate(next.face, next.feature, known);
@@ -336,7 +337,7 @@ void PacketSearch<D>::nominate_nearest() {
   }
 }
 
-/// Considers all that waits, near to far.
+/// Considers all faces that wait, near to far.
 template <int D>
 void PacketSearch<D>::decide(int lane) {
   for (WaitingFace next = take_nearest(lane); next.face != kNone; next = take_nearest(lane)) {

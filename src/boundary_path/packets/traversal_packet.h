@@ -6,11 +6,11 @@
 namespace selvage {
 inline namespace SELVAGE_ISA {
 
-/// Up to sixteen segments from points p to candidates s that are followed side by side in single precision, each as
-/// long as everything about it is certain. What is found to be a valid path is one, what is found to be blocked is
-/// none; of the others nothing is said.
+/// Tetrahedral traversal of up to sixteen segments from points p to candidates s, side by side in single precision,
+/// each as long as everything about it is certain. A segment that is found to be a valid path is one, and one that is
+/// found to be blocked is none; the others are left to TetTraversal.
 ///
-/// As in TetTraversal an element is left through the face that the line passes through. All elements are positive and
+/// As there, an element is left through the face that the line passes through. All elements are positive and
 /// all neighbours lie on both sides of their face, so that the line runs forward from face to face. The element with
 /// the target is convex and holds s, so that the line comes into it no later than to s. A line that leaves the material
 /// before, or comes to a face that lies beyond s, is blocked.
@@ -18,14 +18,14 @@ class TetTraversalPacket {
  public:
   explicit TetTraversalPacket(const PathInput<3>& input) : input_(input) {}
 
-  void clear() { walking_ = blocked_ = 0; }
+  void clear() { active_ = blocked_ = 0; }
 
   /// p lies strictly inside its element, which does not have the target; no corners of the material meet there.
   void add(int lane, Index element, const Candidate<3>& candidate);
 
   /// Lanes with segments that are valid paths.
-  /// @param eye  p of each lane in the frame, each coordinate to the nearest float
-  unsigned follow(const float (&eye)[3][kPacketSize]);
+  /// @param query_point  p of each lane in the frame, each coordinate to the nearest float
+  unsigned follow(const float (&query_point)[3][kPacketSize]);
 
   /// Lanes with segments that are no valid paths, among those followed last.
   unsigned blocked() const { return blocked_; }
@@ -38,28 +38,28 @@ class TetTraversalPacket {
 
   /// Vertices as seen along the segments: across them, and relative to p the largest coordinate and the one along which
   /// the segment is longest.
-  struct Shadows {
+  struct RaySpaceVertices {
     Float16 x, y, reach, along;
   };
   struct Sides {
     unsigned positive, negative;
   };
 
-  Shadows shadows_of(const Index* vertices) const;
-  Sides sides(const Shadows& a, const Shadows& b) const;
+  RaySpaceVertices to_ray_space(const Index* vertices) const;
+  Sides sides(const RaySpaceVertices& a, const RaySpaceVertices& b) const;
   void select_first_exit_faces();
   unsigned arrive();
   void select_exit_faces();
   void stop_beyond_ends();
-  void set_corner(int k, int lane, Index vertex, const float (&shadows)[4][kLanes]) {
+  void set_corner(int k, int lane, Index vertex, const float (&in_ray_space)[4][kLanes]) {
     vertices_[k][lane] = vertex;
-    for (int i = 0; i < 4; ++i) corners_[k][i][lane] = shadows[i][lane];
+    for (int i = 0; i < 4; ++i) corners_[k][i][lane] = in_ray_space[i][lane];
   }
-  SELVAGE_INLINE Shadows corner(int k) const {
+  SELVAGE_INLINE RaySpaceVertices corner(int k) const {
     const auto& rows = corners_[k];
     return {Float16::load(rows[0]), Float16::load(rows[1]), Float16::load(rows[2]), Float16::load(rows[3])};
   }
-  static void store(const Shadows& s, float (&rows)[4][kLanes]) {
+  static void store(const RaySpaceVertices& s, float (&rows)[4][kLanes]) {
     s.x.store(rows[0]);
     s.y.store(rows[1]);
     s.reach.store(rows[2]);
@@ -67,7 +67,7 @@ class TetTraversalPacket {
   }
 
   const PathInput<3>& input_;
-  unsigned walking_ = 0, blocked_ = 0;
+  unsigned active_ = 0, blocked_ = 0;
   int visited_[kLanes];
   Index element_[kLanes];                          ///< that the segment leaves through its exit face
   Index next_[kLanes];                             ///< what lies behind the exit face
@@ -75,7 +75,7 @@ class TetTraversalPacket {
   Vector16 query_point_, across_[2], along_;       ///< directions across the segments, and an axis along them
   alignas(64) float across_rows_[2][3][kLanes] = {}, along_rows_[3][kLanes] = {};
   alignas(64) float ends_[kLanes] = {};           ///< `along` of s, or a little more
-  alignas(64) float corners_[3][4][kLanes] = {};  ///< of the exit faces, each as a Shadows
+  alignas(64) float corners_[3][4][kLanes] = {};  ///< of the exit faces, each as a RaySpaceVertices
   Index vertices_[3][kLanes];                     ///< of the exit faces
   alignas(64) Index apexes_[4][kLanes] = {};
 };
@@ -103,32 +103,30 @@ inline void TetTraversalPacket::add(int lane, Index element, const Candidate<3>&
   goal_[lane] = is_face ? input_.boundary_owners[candidate.face].element() : kNone;
   goal_vertices_[0][lane] = is_face ? kNone : candidate.ids[0];
   goal_vertices_[1][lane] = is_face ? kNone : candidate.ids[candidate.target.count - 1];
-  walking_ |= 1u << lane;
+  active_ |= 1u << lane;
 }
 
-inline unsigned TetTraversalPacket::follow(const float (&eye)[3][kPacketSize]) {
-  if (walking_ == 0) return 0;
+inline unsigned TetTraversalPacket::follow(const float (&query_point)[3][kPacketSize]) {
+  if (active_ == 0) return 0;
   for (int i = 0; i < 3; ++i) {
-    query_point_[i] = Float16::load(eye[i]);
+    query_point_[i] = Float16::load(query_point[i]);
     for (int k = 0; k < 2; ++k) across_[k][i] = Float16::load(across_rows_[k][i]);
     along_[i] = Float16::load(along_rows_[i]);
   }
   select_first_exit_faces();
   unsigned arrived = 0;
-  for (int step = 0; step < kMaxSteps && walking_ != 0; ++step) {
+  for (int step = 0; step < kMaxSteps && active_ != 0; ++step) {
     stop_beyond_ends();
     arrived |= arrive();
     select_exit_faces();
   }
-  walking_ = 0;
+  active_ = 0;
   return arrived;
 }
 
-SELVAGE_INLINE TetTraversalPacket::Shadows TetTraversalPacket::shadows_of(const Index* vertices) const {
+SELVAGE_INLINE TetTraversalPacket::RaySpaceVertices TetTraversalPacket::to_ray_space(const Index* vertices) const {
   const Vector16 x = gather(input_.rounded, [&](int lane) { return vertices[lane]; }) - query_point_;
-  const Float16 zero = Float16::broadcast(0);
-  const auto size = [&](int i) { return max(x[i], zero - x[i]); };
-  return {dot(across_[0], x), dot(across_[1], x), max(max(size(0), size(1)), size(2)), dot(along_, x)};
+  return {dot(across_[0], x), dot(across_[1], x), abs_max(x), dot(along_, x)};
 }
 
 /// Signs of det(s - p, a - p, b - p), where they are certain.
@@ -138,7 +136,8 @@ SELVAGE_INLINE TetTraversalPacket::Shadows TetTraversalPacket::shadows_of(const 
 /// 2^-24. So a vertex is off by E = 4 r + 13 units R across the segment, where it lies within 2 R, and the determinant
 /// by 8 E R
 /// + 2 E^2 + 16 units R^2. What underflows is far below the last term.
-SELVAGE_INLINE TetTraversalPacket::Sides TetTraversalPacket::sides(const Shadows& a, const Shadows& b) const {
+SELVAGE_INLINE TetTraversalPacket::Sides TetTraversalPacket::sides(const RaySpaceVertices& a,
+                                                                   const RaySpaceVertices& b) const {
   const Float16 value = a.x * b.y - a.y * b.x, reach = max(a.reach, b.reach);
   const Float16 bound = reach * (Float16::broadcast(64 * input_.rounding) + Float16::broadcast(0x1p-16f) * reach) +
                         Float16::broadcast(1e-30f);
@@ -146,25 +145,25 @@ SELVAGE_INLINE TetTraversalPacket::Sides TetTraversalPacket::sides(const Shadows
 }
 
 inline void TetTraversalPacket::select_first_exit_faces() {
-  for (unsigned rest = walking_; rest != 0; rest &= rest - 1) {
+  for (unsigned rest = active_; rest != 0; rest &= rest - 1) {
     const int lane = lowest_lane(rest);
     for (int k = 0; k < 4; ++k) apexes_[k][lane] = input_.elements[element_[lane]].vertices[k];
   }
-  Shadows shadows[4];
+  RaySpaceVertices in_ray_space[4];
   alignas(64) float rows[4][4][kLanes];
   for (int k = 0; k < 4; ++k) {
-    shadows[k] = shadows_of(apexes_[k]);
-    store(shadows[k], rows[k]);
+    in_ray_space[k] = to_ray_space(apexes_[k]);
+    store(in_ray_space[k], rows[k]);
   }
   Sides side[4][4];
   for (int i = 0; i < 4; ++i) {
     for (int j = i + 1; j < 4; ++j) {
-      side[i][j] = sides(shadows[i], shadows[j]);
+      side[i][j] = sides(in_ray_space[i], in_ray_space[j]);
       side[j][i] = {side[i][j].negative, side[i][j].positive};
     }
   }
-  const unsigned starting = walking_;
-  walking_ = 0;
+  const unsigned starting = active_;
+  active_ = 0;
   constexpr int kFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
   for (int face = 0; face < 4; ++face) {
     const auto& [a, b, c] = kFaces[face];
@@ -174,20 +173,20 @@ inline void TetTraversalPacket::select_first_exit_faces() {
       for (int k = 0; k < 3; ++k) set_corner(k, lane, apexes_[kFaces[face][k]][lane], rows[kFaces[face][k]]);
       next_[lane] = input_.elements[element_[lane]].neighbours[face];
     }
-    walking_ |= through;
+    active_ |= through;
   }
 }
 
-/// Steps into the next elements. Lanes that have come to their target, or to the boundary, walk no more.
+/// Steps into the next elements. Lanes that have come to their target, or to the boundary, are done.
 inline unsigned TetTraversalPacket::arrive() {
   unsigned arrived = 0;
-  for (unsigned rest = walking_; rest != 0; rest &= rest - 1) {
+  for (unsigned rest = active_; rest != 0; rest &= rest - 1) {
     const int lane = lowest_lane(rest);
     const HalfFace next{next_[lane]};
     const unsigned bit = 1u << lane;
     if (!next.exists()) {
       blocked_ |= bit;
-      walking_ &= ~bit;
+      active_ &= ~bit;
       continue;
     }
     ++visited_[lane];
@@ -198,7 +197,7 @@ inline unsigned TetTraversalPacket::arrive() {
     if (next.element() == goal_[lane] ||
         (contains(vertices, goal_vertices_[0][lane]) && contains(vertices, goal_vertices_[1][lane]))) {
       arrived |= bit;
-      walking_ &= ~bit;
+      active_ &= ~bit;
     }
   }
   return arrived;
@@ -214,21 +213,21 @@ inline void TetTraversalPacket::stop_beyond_ends() {
     const Float16 along = Float16::load(corners_[k][3]) - error;
     nearest = k == 0 ? along : min(nearest, along);
   }
-  const unsigned beyond = less_equal(Float16::load(ends_), nearest, walking_);
+  const unsigned beyond = less_equal(Float16::load(ends_), nearest, active_);
   blocked_ |= beyond;
-  walking_ &= ~beyond;
+  active_ &= ~beyond;
 }
 
 /// Turns the exit faces into those through which the segments leave the elements.
 inline void TetTraversalPacket::select_exit_faces() {
-  const Shadows apex = shadows_of(apexes_[0]);
+  const RaySpaceVertices apex = to_ray_space(apexes_[0]);
   Sides side[3];
   for (int k = 0; k < 3; ++k) side[k] = sides(corner(k), apex);
   alignas(64) float rows[4][kLanes];
   store(apex, rows);
   const unsigned last = side[0].negative & side[1].positive, first = side[1].negative & side[2].positive;
-  walking_ &= last | first | (side[2].negative & side[0].positive);
-  for (unsigned rest = walking_; rest != 0; rest &= rest - 1) {
+  active_ &= last | first | (side[2].negative & side[0].positive);
+  for (unsigned rest = active_; rest != 0; rest &= rest - 1) {
     const int lane = lowest_lane(rest);
     const int behind = static_cast<int>(1 + (last >> lane & 1) - (first >> lane & 1));
     const PathElement<3>& element = input_.elements[element_[lane]];

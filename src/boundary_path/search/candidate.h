@@ -30,7 +30,7 @@ class CandidateFactory {
   Estimate estimate(Index face) const;
   Candidate<D> make(Index face, const Estimate& estimate) const;
 
-  /// Sets what is left to be known of a triangle that has been aimed at. False when more is to be computed.
+  /// Completes a candidate that project_on_triangle() has begun. False when its offset must be computed exactly.
   static bool complete(const PathInput<D>& input, Index face, Candidate<D>& c) {
     c.face = face;
     c.ids = input.face_stars[face].vertices;
@@ -65,9 +65,9 @@ class CandidateFactory {
     return proper && c.offset_error < kPreciseAbove * largest(c.offset);
   }
   void set_offset(Candidate<D>& c) const;
-  void aim_at_vertex(Candidate<D>& c) const;
-  void aim_at_edge(Candidate<D>& c) const;
-  void aim_at_triangle(Candidate<D>& c) const;
+  void project_on_vertex(Candidate<D>& c) const;
+  void project_on_edge(Candidate<D>& c) const;
+  void project_on_triangle(Candidate<D>& c) const;
   void make_precise(Candidate<D>& c) const;
 
   const PathInput<D>& input_;
@@ -167,17 +167,17 @@ Candidate<D> CandidateFactory<D>::make(Index face, const Estimate& estimate) con
 template <int D>
 void CandidateFactory<D>::set_offset(Candidate<D>& c) const {
   if (c.target.count == 1)
-    aim_at_vertex(c);
+    project_on_vertex(c);
   else if (c.target.count == 2)
-    aim_at_edge(c);
+    project_on_edge(c);
   else
-    aim_at_triangle(c);
+    project_on_triangle(c);
   if (!is_precise(c)) make_precise(c);
   c.squared_distance = dot(c.offset, c.offset);
 }
 
 template <int D>
-void CandidateFactory<D>::aim_at_vertex(Candidate<D>& c) const {
+void CandidateFactory<D>::project_on_vertex(Candidate<D>& c) const {
   subtract(c.target.vertices[0], p_, c.offset);
   std::copy(c.offset, c.offset + D, c.direction);
   c.barycentric[0] = 1;
@@ -185,7 +185,7 @@ void CandidateFactory<D>::aim_at_vertex(Candidate<D>& c) const {
 }
 
 template <int D>
-void CandidateFactory<D>::aim_at_edge(Candidate<D>& c) const {
+void CandidateFactory<D>::project_on_edge(Candidate<D>& c) const {
   double a[D], e[D];
   subtract(c.target.vertices[0], p_, a);
   subtract(c.target.vertices[1], c.target.vertices[0], e);
@@ -197,7 +197,7 @@ void CandidateFactory<D>::aim_at_edge(Candidate<D>& c) const {
 }
 
 template <int D>
-void CandidateFactory<D>::aim_at_triangle(Candidate<D>& c) const {
+void CandidateFactory<D>::project_on_triangle(Candidate<D>& c) const {
   if constexpr (D == 3) {
     double v[3][3], e1[3], e2[3];
     for (int i = 0; i < 3; ++i) subtract(c.target.vertices[i], p_, v[i]);

@@ -212,7 +212,7 @@ bool overlaps_in_plane(const SegmentAndFace<3>& s, Stretch stretch) {
 template <int D>
 int ExactSegment<D>::side(const std::array<Vec<D>, D - 1>& points) const {
   if constexpr (D == 3)
-    if (const int sign = twice::side(p_, target_, points); sign != 0) return sign;
+    if (const int sign = double_double::side(p_, target_, points); sign != 0) return sign;
   std::array<Vec<D>, 2 * D - 1> all;
   for (int i = 0; i < D; ++i) all[i] = i < target_.count ? target_.vertices[i] : p_;
   for (int i = 0; i < D - 1; ++i) all[D + i] = points[i];
@@ -238,7 +238,7 @@ template <int D>
 bool ExactSegment<D>::touches(const FacePoints<D>& face) const {
   if constexpr (D == 3) {
     // Mostly the segment clearly crosses the plane or clearly does not, and what is to be decided is a side.
-    const int start = orientation({face[0], face[1], face[2], p_}), end = twice::side_of_end(p_, target_, face);
+    const int start = orientation({face[0], face[1], face[2], p_}), end = double_double::side_of_end(p_, target_, face);
     if (start * end > 0) return false;
     if (start * end < 0) {
       bool positive = false, negative = false;
@@ -347,7 +347,7 @@ template <int D>
 PreciseOffset<D> precise_offset(const Vec<D>& p, const TargetSimplex<D>& target) {
   if constexpr (D == 3) {
     PreciseOffset<D> result;
-    if (twice::find_offset(p, target, result)) return result;
+    if (double_double::find_offset(p, target, result)) return result;
   }
   return exact_offset(p, target);
 }

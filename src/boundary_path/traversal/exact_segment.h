@@ -21,8 +21,8 @@ using FacePoints = std::array<Vec<D>, D>;
 ///
 /// s itself is not a double in general, so that every predicate is a polynomial of the given coordinates, evaluated in
 /// integers. This is the fallback for what the floating-point filters of the traversal cannot decide. About a
-/// microsecond a decision; side() and, in space, touches() first ask doubles twice as long, which decide all but zero
-/// in a tenth of that. Never overflows, for any finite coordinates.
+/// microsecond a decision; side() and, in space, touches() first ask double-double arithmetic, which decides all but
+/// zero in a tenth of that. Never overflows, for any finite coordinates.
 template <int D>
 class ExactSegment {
  public:

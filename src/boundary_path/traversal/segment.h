@@ -18,7 +18,7 @@ inline constexpr double kUnitRoundoff = 0x1p-53;
 inline constexpr double kTrustAbove = 0x1p-900;
 
 /// Whether an index is among others. Ours, not the standard library's: a copy of a standard template compiled for one
-/// instruction set must not be linked into code for another. No branch for a few: nobody can foretell it.
+/// instruction set must not be linked into code for another. No branch for a few: it would be unpredictable.
 template <std::size_t N>
 SELVAGE_INLINE bool contains(const std::array<Index, N>& some, Index value) {
   bool found = false;
@@ -94,7 +94,7 @@ template <int D>
 class Segment {
  public:
   /// A vertex relative to the segment: `across` its coordinates off the axis, `along` the one on it.
-  struct Shadow {
+  struct RaySpaceVertex {
     double across[D - 1];
     double along;
     double reach;  ///< largest absolute coordinate relative to p
@@ -118,10 +118,10 @@ class Segment {
     forward_ = end_ < 0 ? -1.0 : 1.0;
   }
 
-  Shadow shadow(Index vertex) const {
+  RaySpaceVertex to_ray_space(Index vertex) const {
     const Vec<D>& x = input_.positions[vertex];
     double relative[D];
-    Shadow s;
+    RaySpaceVertex s;
     s.reach = 0;
     for (int i = 0; i < D; ++i) {
       relative[i] = x[i] - p_[i];
@@ -135,34 +135,34 @@ class Segment {
 
   /// Twice the area that the line sees between two vertices (3D), the offset of a vertex from the line (2D); positive
   /// when they turn counter-clockwise about the direction from p to s. Only the sign from side() is certain.
-  static double area(const Shadow& a, const Shadow& b) requires(D == 3) {
+  static double area(const RaySpaceVertex& a, const RaySpaceVertex& b) requires(D == 3) {
     return a.across[0] * b.across[1] - a.across[1] * b.across[0];
   }
 
   /// The sign of det(s - p, a - p, b - p) where it is certain at a glance, else 0.
-  int clear_side(const Shadow& a, const Shadow& b) const requires(D == 3) {
+  int clear_side(const RaySpaceVertex& a, const RaySpaceVertex& b) const requires(D == 3) {
     const double value = area(a, b);
     if (!(std::abs(value) > shear_error_ * a.reach * b.reach + kTrustAbove)) return 0;
     return sign_ * value > 0 ? 1 : -1;
   }
 
   /// Exact sign of det(s - p, a - p, b - p).
-  int side(const Shadow& a, const Shadow& b) const requires(D == 3) {
+  int side(const RaySpaceVertex& a, const RaySpaceVertex& b) const requires(D == 3) {
     if (const int clear = clear_side(a, b)) return clear;
-    if (a.reach == 0 || b.reach == 0 || aims_at(a.vertex, b.vertex)) return 0;
+    if (a.reach == 0 || b.reach == 0 || meets_by_construction(a.vertex, b.vertex)) return 0;
     count_exact();
     return exact_.side({input_.positions[a.vertex], input_.positions[b.vertex]});
   }
 
   /// The same of det(s - p, a - p).
-  int clear_side(const Shadow& a) const requires(D == 2) {
+  int clear_side(const RaySpaceVertex& a) const requires(D == 2) {
     const double value = a.across[0];
     if (!(std::abs(value) > shear_error_ * a.reach + kTrustAbove)) return 0;
     return sign_ * value > 0 ? 1 : -1;
   }
 
   /// Exact sign of det(s - p, a - p).
-  int side(const Shadow& a) const requires(D == 2) {
+  int side(const RaySpaceVertex& a) const requires(D == 2) {
     if (const int clear = clear_side(a)) return clear;
     if (a.reach == 0 || (candidate_.target.count == 1 && a.vertex == candidate_.ids[0])) return 0;
     count_exact();
@@ -175,7 +175,7 @@ class Segment {
     double weights[D];
     double total;
   };
-  Crossing crossing(const Shadow (&face)[D]) const {
+  Crossing crossing(const RaySpaceVertex (&face)[D]) const {
     Crossing c;
     if constexpr (D == 3) {
       c.weights[0] = sign_ * area(face[1], face[2]);
@@ -191,25 +191,25 @@ class Segment {
   }
 
   /// Whether parameter() is good to 1e-7: false where the line grazes the face.
-  bool sees_well(const Crossing& c, const Shadow (&face)[D]) const {
+  bool sees_well(const Crossing& c, const RaySpaceVertex (&face)[D]) const {
     double reach = std::abs(end_);
     for (int i = 0; i < D; ++i) reach = std::max(reach, face[i].reach);
     const double area_bound = D == 3 ? reach * reach : reach;
     return c.total * std::abs(end_) > 1e8 * (shear_error_ * reach + candidate_.offset_error) * area_bound;
   }
 
-  double parameter(const Crossing& c, const Shadow (&face)[D]) const {
+  double parameter(const Crossing& c, const RaySpaceVertex (&face)[D]) const {
     double sum = 0;
     for (int i = 0; i < D; ++i) sum += c.weights[i] * face[i].along;
     return sum / (c.total * end_);
   }
 
   /// Whether the vertex lies behind p, along the axis on which the segment is longest: exactly.
-  bool is_behind_start(const Shadow& a) const { return forward_ * a.along < 0; }
+  bool is_behind_start(const RaySpaceVertex& a) const { return forward_ * a.along < 0; }
 
   /// Whether the line certainly crosses the face before it comes to s, wherever it passes through: exactly, since that
   /// is seen on the coordinates of the face's vertices.
-  bool is_before_end(const Shadow (&face)[D]) const {
+  bool is_before_end(const RaySpaceVertex (&face)[D]) const {
     double last = forward_ * face[0].along, reach = std::abs(end_);
     for (int i = 0; i < D; ++i) {
       last = std::max(last, forward_ * face[i].along);
@@ -219,7 +219,7 @@ class Segment {
   }
 
   /// Whether the line crosses the face, which it passes through properly, no farther than 2 |p - s| from s. Exact.
-  bool within_reach(const Crossing& c, const Shadow (&face)[D]) const {
+  bool within_reach(const Crossing& c, const RaySpaceVertex (&face)[D]) const {
     double reach = std::abs(end_);
     for (int i = 0; i < D; ++i) reach = std::max(reach, face[i].reach);
     const double area_bound = D == 3 ? reach * reach : reach;
@@ -234,7 +234,7 @@ class Segment {
 
   /// Exact: 1 when s lies strictly before the crossing of the face, -1 strictly behind it, 0 on the face's plane. The
   /// line passes properly through the face, which is listed so that its normal points along the line.
-  int end_before(const Crossing& c, const Shadow (&face)[D]) const {
+  int end_before(const Crossing& c, const RaySpaceVertex (&face)[D]) const {
     double value = 0, reach = std::abs(end_);
     for (int i = 0; i < D; ++i) {
       value += c.weights[i] * (forward_ * (face[i].along - end_));
@@ -259,7 +259,7 @@ class Segment {
 
  private:
   /// Whether the line meets the edge (a, b) by construction: the target is the edge, or one of its ends.
-  bool aims_at(Index a, Index b) const {
+  bool meets_by_construction(Index a, Index b) const {
     const auto& ids = candidate_.ids;
     if (candidate_.target.count == 1) return a == ids[0] || b == ids[0];
     return candidate_.target.count == 2 && ((a == ids[0] && b == ids[1]) || (a == ids[1] && b == ids[0]));

@@ -6,7 +6,7 @@
 namespace selvage {
 inline namespace SELVAGE_ISA {
 
-/// What following a segment through the mesh has shown.
+/// Result of following a segment through the mesh.
 struct TraversalResult {
   bool valid = false;
   /// Where the segment is known to leave the mesh through a boundary face, or kNone, and the parameter of the crossing,
@@ -44,7 +44,7 @@ class VisitedElements {
 /// Decides whether the segment from p to a candidate is a valid path (SPB definition 1): the image of a path from p in
 /// its element to the candidate inside the undeformed mesh.
 ///
-/// Source: SPB section 3.3 and supplement, algorithms 1 and 2; but exact, and followed from p, so that the walk starts
+/// Source: SPB section 3.3 and supplement, algorithms 1 and 2; but exact, and followed from p, so that it starts
 /// in one known element wherever s lies, knows the feature that it must reach by its vertices, and finds where p's own
 /// material ends when the segment is blocked.
 template <int D>
@@ -53,8 +53,8 @@ class TetTraversal {
   TetTraversal(const PathInput<D>& input, const PathQuery<D>& query, bool strictly_inside, PathCounters* counters)
       : input_(input), query_(query), strictly_inside_(strictly_inside), counters_(counters) {}
 
-  /// For components without inverted elements. With `go_on`, a walk that has passed s without reaching it goes on until
-  /// it leaves the mesh, to learn where.
+  /// For components without inverted elements. With `go_on`, a traversal that has passed s without reaching it goes on
+  /// until it leaves the mesh, to learn where.
   TraversalResult follow(const Candidate<D>& candidate, bool go_on) const;
 
   /// Whether p's own element has the candidate: then there is nothing to follow.
@@ -70,13 +70,13 @@ class TetTraversal {
   bool is_on(Index face) const;
 
  private:
-  using Shadow = typename Segment<D>::Shadow;
+  using RaySpaceVertex = typename Segment<D>::RaySpaceVertex;
 
   /// A face of an element that the line passes through properly, listed so that its normal points along the line.
   struct ExitFace {
     Index element;
     int face;  ///< opposite to which vertex of the element
-    Shadow corners[D];
+    RaySpaceVertex corners[D];
   };
 
   KernelVector<Index> elements_at_point() const;
@@ -140,8 +140,8 @@ template <int D>
 bool TetTraversal<D>::select_first_exit_face(const Segment<D>& segment, ExitFace& exit_face) const {
   exit_face.element = query_.element;
   const auto& vertices = input_.elements[query_.element].vertices;
-  Shadow shadows[D + 1];
-  for (int i = 0; i <= D; ++i) shadows[i] = segment.shadow(vertices[i]);
+  RaySpaceVertex in_ray_space[D + 1];
+  for (int i = 0; i <= D; ++i) in_ray_space[i] = segment.to_ray_space(vertices[i]);
   if constexpr (D == 3) {
     int side[4][4];
     const auto find_face = [&] {
@@ -149,31 +149,31 @@ bool TetTraversal<D>::select_first_exit_face(const Segment<D>& segment, ExitFace
       for (exit_face.face = 0; exit_face.face < 4; ++exit_face.face) {
         const auto& [a, b, c] = kFaces[exit_face.face];
         if (side[a][b] <= 0 || side[b][c] <= 0 || side[c][a] <= 0) continue;
-        exit_face.corners[0] = shadows[a];
-        exit_face.corners[1] = shadows[b];
-        exit_face.corners[2] = shadows[c];
+        exit_face.corners[0] = in_ray_space[a];
+        exit_face.corners[1] = in_ray_space[b];
+        exit_face.corners[2] = in_ray_space[c];
         return true;
       }
       return false;
     };
     // Often the line comes exactly out of a vertex behind p, which does not matter.
     for (int i = 0; i < 4; ++i)
-      for (int j = i + 1; j < 4; ++j) side[j][i] = -(side[i][j] = segment.clear_side(shadows[i], shadows[j]));
+      for (int j = i + 1; j < 4; ++j) side[j][i] = -(side[i][j] = segment.clear_side(in_ray_space[i], in_ray_space[j]));
     if (find_face()) return true;
     for (int i = 0; i < 4; ++i)
       for (int j = i + 1; j < 4; ++j)
-        if (side[i][j] == 0) side[j][i] = -(side[i][j] = segment.side(shadows[i], shadows[j]));
+        if (side[i][j] == 0) side[j][i] = -(side[i][j] = segment.side(in_ray_space[i], in_ray_space[j]));
     return find_face();
   } else {
     int side[3];
     for (int i = 0; i < 3; ++i)
-      if ((side[i] = segment.side(shadows[i])) == 0) return false;
+      if ((side[i] = segment.side(in_ray_space[i])) == 0) return false;
     constexpr int kFaces[3][2] = {{1, 2}, {2, 0}, {0, 1}};
     for (exit_face.face = 0; exit_face.face < 3; ++exit_face.face) {
       const int a = kFaces[exit_face.face][0], b = kFaces[exit_face.face][1];
       if (side[a] > 0 || side[b] < 0) continue;
-      exit_face.corners[0] = shadows[a];
-      exit_face.corners[1] = shadows[b];
+      exit_face.corners[0] = in_ray_space[a];
+      exit_face.corners[1] = in_ray_space[b];
       return true;
     }
   }
@@ -186,7 +186,7 @@ template <int D>
 bool TetTraversal<D>::select_exit_face(const Segment<D>& segment, Index next, ExitFace& exit_face) const {
   const Index element = HalfFace{next}.element();
   const auto& vertices = input_.elements[element].vertices;
-  const Shadow apex = segment.shadow(vertices[HalfFace{next}.face()]);
+  const RaySpaceVertex apex = segment.to_ray_space(vertices[HalfFace{next}.face()]);
   int behind;  // the corner that does not see the line any more
   if constexpr (D == 3) {
     int a = segment.clear_side(exit_face.corners[0], apex), b = segment.clear_side(exit_face.corners[1], apex),
@@ -198,7 +198,7 @@ bool TetTraversal<D>::select_exit_face(const Segment<D>& segment, Index next, Ex
       c = segment.side(exit_face.corners[2], apex);
       if (!is_clear()) return false;
     }
-    behind = 1 + ((a < 0) & (b > 0)) - ((b < 0) & (c > 0));  // without a branch: nobody can foretell it
+    behind = 1 + ((a < 0) & (b > 0)) - ((b < 0) & (c > 0));  // without a branch: it would be unpredictable
   } else {
     const int side = segment.side(apex);
     if (side == 0) return false;
@@ -272,10 +272,10 @@ bool TetTraversal<D>::connects_exactly(const Segment<D>& segment, const Candidat
 template <int D>
 bool TetTraversal<D>::segment_clearly_misses(const Segment<D>& segment, Index element, int face) const {
   const auto ids = SimplexMesh<D>::face_of(input_.elements[element].vertices, face);
-  Shadow corners[D];
+  RaySpaceVertex corners[D];
   bool ahead = false;
   for (int i = 0; i < D; ++i) {
-    corners[i] = segment.shadow(ids[i]);
+    corners[i] = segment.to_ray_space(ids[i]);
     ahead |= !segment.is_behind_start(corners[i]);
   }
   int positive = 0, negative = 0;
@@ -336,8 +336,8 @@ bool TetTraversal<D>::face_holds_point(Index element, int face) const {
 template <int D>
 bool TetTraversal<D>::line_passes(const Segment<D>& segment, Index element, int face) const {
   const auto ids = SimplexMesh<D>::face_of(input_.elements[element].vertices, face);
-  Shadow corners[D];
-  for (int i = 0; i < D; ++i) corners[i] = segment.shadow(ids[i]);
+  RaySpaceVertex corners[D];
+  for (int i = 0; i < D; ++i) corners[i] = segment.to_ray_space(ids[i]);
   int positive = 0, negative = 0;
   for (int i = 0; i < D; ++i) {
     int side;

@@ -8,8 +8,8 @@
 namespace selvage {
 inline namespace SELVAGE_ISA {
 
-/// Sixteen times CandidateFactory::aim_at_triangle(), side by side: the same bits.
-class TriangleAims {
+/// Sixteen times CandidateFactory::project_on_triangle(), side by side: the same bits.
+class TriangleProjections {
  public:
   /// p, and the triangle inside which the closest point lies.
   SELVAGE_INLINE void set(int lane, const Vec<3>& p, const Vec<3>& a, const Vec<3>& b, const Vec<3>& c) {
@@ -21,11 +21,11 @@ class TriangleAims {
     }
   }
 
-  SELVAGE_INLINE void aim() {
-    for (int lane = 0; lane < kPacketSize; lane += WideDouble::kLanes) aim(lane);
+  SELVAGE_INLINE void project() {
+    for (int lane = 0; lane < kPacketSize; lane += WideDouble::kLanes) project(lane);
   }
 
-  /// Sets what aim_at_triangle() does, and the distance.
+  /// Sets what project_on_triangle() does, and the distance.
   SELVAGE_INLINE void get(int lane, Candidate<3>& c) const {
     for (int i = 0; i < 3; ++i) {
       c.direction[i] = direction_[i][lane];
@@ -42,7 +42,7 @@ class TriangleAims {
   using Rows = double[3][kPacketSize];
   using Vector = LaneVec3<WideDouble>;
 
-  SELVAGE_INLINE void aim(int lane) {
+  SELVAGE_INLINE void project(int lane) {
     const WideDouble unit = WideDouble::broadcast(kUnitRoundoff);
     const auto load = [&](const Rows& rows) -> Vector {
       return {{WideDouble::load(rows[0] + lane), WideDouble::load(rows[1] + lane), WideDouble::load(rows[2] + lane)}};

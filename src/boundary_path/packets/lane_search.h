@@ -9,7 +9,7 @@
 namespace selvage {
 inline namespace SELVAGE_ISA {
 
-/// What is known of the segment to a candidate.
+/// State of the segment to a candidate, as far as a TetTraversalPacket has decided it.
 enum class SegmentState : std::uint8_t { kUnknown, kPath, kBlocked };
 
 /// Where the shortest path of a query ends.
@@ -19,18 +19,21 @@ struct Answer {
   Vec<D> point;
 };
 
-/// What one query knows of its shortest path (SPB supplement, algorithms 3 and 4): it considers boundary faces, in any
-/// order, until none that is left can be closer than the answer.
+/// Search of one query in one lane of a packet (SPB supplement, algorithms 3 and 4). The same answer as that of
+/// find_path_alone(), which is to be read first.
 ///
-/// What shrinks the search beside a valid candidate: a segment that leaves p's own material shows a boundary point at
-/// that distance, which theorem 1 makes a bound of the answer; and a culled candidate leads to the neighbouring face
-/// that is closer. Both only where the theorems hold.
+/// The packet hands it boundary faces in any order, until none that is left can be closer than the answer. So it can be
+/// stopped wherever a segment may be followed side by side with others, and goes on when its state is known.
 ///
-/// Here is its course; what it does with one face is in search_faces.h.
+/// Two bounds shrink the search beside a valid candidate, both only where the theorems hold. A segment that leaves p's
+/// own material shows a boundary point at that distance, which bounds the answer by theorem 1. A culled candidate leads
+/// to the neighbouring face that is closer.
+///
+/// The course of the search is here; lane_search_faces.h considers one face.
 template <int D>
-class Search {
+class LaneSearch {
  public:
-  Search(const PathInput<D>& input, const PathTask<D>& task, PathCounters* counters)
+  LaneSearch(const PathInput<D>& input, const PathTask<D>& task, PathCounters* counters)
       : input_(input),
         task_(task),
         query_(task.query),
@@ -57,22 +60,22 @@ class Search {
   /// A reach that is beyond any likely answer.
   float squared_reach() const;
 
-  /// Looks for answers no farther than this. Nothing is said of whether there are any.
-  void suppose(double squared_distance);
-  /// From now on also farther. False when there is no answer yet: then all faces are to be considered anew.
-  bool stop_supposing();
+  /// Looks for answers no farther than this, whether or not there are any.
+  void limit_to(double squared_distance);
+  /// From now on also farther. False when there is no answer yet: then all faces must be considered anew.
+  bool lift_limit();
 
-  /// Considers a face; if it may be the answer the segment is left to be followed in a TetTraversalPacket, where it may
-  /// be.
+  /// Considers a face. Where it may be the answer, and its segment may be followed in a TetTraversalPacket, it becomes
+  /// the target and is not yet tested.
   /// @param known  the candidate, where it has been computed; else null
   void nominate(Index face, unsigned feature, const Candidate<D>* known);
 
-  /// Looks for a first candidate from a face on.
-  void aim(Index face);
+  /// The same from a face on, over neighbours that come closer.
+  void nominate_from(Index face);
 
-  /// What nominate() or aim() found, where its segment may be followed in a TetTraversalPacket; else null: there is
-  /// none, or it has been tested.
-  const Candidate<D>* target() const { return is_aiming_ ? &target_ : nullptr; }
+  /// Candidate of nominate() or nominate_from() whose segment is to be followed in a TetTraversalPacket; null where
+  /// there is none, or it has been tested.
+  const Candidate<D>* target() const { return is_nominating_ ? &target_ : nullptr; }
 
   /// Tests the target, if there is one, as far as that is left to do.
   /// @param elements_visited  by the segment to the target, when its state is known
@@ -92,7 +95,7 @@ class Search {
   PathResult<D> finish();
 
   /// Nothing farther is an answer.
-  double squared_bound() const { return std::min(std::min(best_squared_, known_squared_), supposed_squared_); }
+  double squared_bound() const { return std::min(std::min(best_squared_, known_squared_), limit_squared_); }
   /// Whether faces may be passed over because a neighbour comes closer: see docs/how_it_works/boundary_path.md.
   bool may_cull() const { return input_.options.cull_infeasible_regions && reject_above_ < point_.safe_distance(); }
   /// See QueryPoint::may_cull_towards_source().
@@ -107,7 +110,7 @@ class Search {
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
   /// Distances that only bound the search are widened by more than their rounding.
   static constexpr double kBoundSlack = 1 + 1e-9;
-  /// Bounds the error of TraversalResult::left_at, with room to spare.
+  /// Bounds the error of TraversalResult::left_at, amply.
   static constexpr double kLeftAtError = 1e-6;
 
   bool may_postpone(const Candidate<D>& candidate) const;
@@ -118,7 +121,7 @@ class Search {
   void test_touching(const Candidate<D>& candidate);
   void accept(const Candidate<D>& candidate);
   void keep(const Candidate<D>& candidate);
-  Candidate<D> settle(Candidate<D> candidate) const;
+  Candidate<D> move_to_closer_neighbours(Candidate<D> candidate) const;
   bool follows_inverted_rules(const Candidate<D>& candidate) const {
     return point_.follows_inverted_rules(candidate.squared_distance);
   }
@@ -140,15 +143,15 @@ class Search {
   QueryPoint<D> point_;
   PathCounters* counters_;
   CandidateFactory<D> candidates_;
-  bool is_aiming_ = false;
+  bool is_nominating_ = false;
   Candidate<D> target_;
 
   Candidate<D> best_;
   double best_squared_ = kInfinity;
-  double known_squared_ = kInfinity;     ///< some boundary point that p can reach is this close
-  double supposed_squared_ = kInfinity;  ///< the answer is looked for no farther than this
-  Index left_through_ = kNone;           ///< where a segment was seen to leave the material
-  double reject_above_ = kInfinity;      ///< distance of squared_bound(), widened for the rounding of squares
+  double known_squared_ = kInfinity;  ///< some boundary point that p can reach is this close
+  double limit_squared_ = kInfinity;  ///< the answer is looked for no farther than this
+  Index left_through_ = kNone;        ///< where a segment was seen to leave the material
+  double reject_above_ = kInfinity;   ///< distance of squared_bound(), widened for the rounding of squares
 
   static constexpr int kRemembered = 64, kDismissed = 8;
   Index seen_[kRemembered];
@@ -157,7 +160,7 @@ class Search {
 };
 
 template <int D>
-bool Search<D>::locate(bool is_inside) {
+bool LaneSearch<D>::locate(bool is_inside) {
   if (!point_.locate(is_inside)) return false;
   for (Index& slot : seen_) slot = kNone;
   return true;
@@ -165,7 +168,7 @@ bool Search<D>::locate(bool is_inside) {
 
 /// Goes on where a blocked segment leaves the material: the boundary there is near in the mesh, too.
 template <int D>
-void Search<D>::start_from(Index face) {
+void LaneSearch<D>::start_from(Index face) {
   constexpr int kMaxSteps = 4;
   for (int step = 0; step < kMaxSteps && face != kNone; ++step) {
     left_through_ = kNone;
@@ -175,14 +178,14 @@ void Search<D>::start_from(Index face) {
 }
 
 template <int D>
-void Search<D>::suppose(double squared_distance) {
-  supposed_squared_ = squared_distance;
+void LaneSearch<D>::limit_to(double squared_distance) {
+  limit_squared_ = squared_distance;
   reject_above_ = std::sqrt(squared_bound()) * kBoundSlack;
 }
 
 template <int D>
-bool Search<D>::stop_supposing() {
-  supposed_squared_ = kInfinity;
+bool LaneSearch<D>::lift_limit() {
+  limit_squared_ = kInfinity;
   if (best_squared_ < kInfinity) return true;
   for (Index& slot : seen_) slot = kNone;
   reject_above_ = std::sqrt(squared_bound()) * kBoundSlack;
@@ -190,25 +193,25 @@ bool Search<D>::stop_supposing() {
 }
 
 template <int D>
-void Search<D>::nominate(Index face, unsigned feature, const Candidate<D>* known) {
-  is_aiming_ = true;
+void LaneSearch<D>::nominate(Index face, unsigned feature, const Candidate<D>* known) {
+  is_nominating_ = true;
   target_.face = kNone;
   consider(face, feature, false, known);
-  is_aiming_ = target_.face != kNone;
+  is_nominating_ = target_.face != kNone;
 }
 
 template <int D>
-void Search<D>::aim(Index face) {
+void LaneSearch<D>::nominate_from(Index face) {
   target_.face = kNone;
-  is_aiming_ = true;
+  is_nominating_ = true;
   consider(face, 0, true);
-  is_aiming_ = target_.face != kNone;
+  is_nominating_ = target_.face != kNone;
 }
 
 template <int D>
-void Search<D>::test_target(SegmentState state, int elements_visited) {
-  if (!is_aiming_) return;
-  is_aiming_ = false;
+void LaneSearch<D>::test_target(SegmentState state, int elements_visited) {
+  if (!is_nominating_) return;
+  is_nominating_ = false;
   // Where a blocked segment ends is worth to know as long as there is no bound.
   if (state == SegmentState::kUnknown || (state == SegmentState::kBlocked && squared_bound() == kInfinity))
     return test(target_);
@@ -221,7 +224,7 @@ void Search<D>::test_target(SegmentState state, int elements_visited) {
 }
 
 template <int D>
-bool Search<D>::start() {
+bool LaneSearch<D>::start() {
   start_from(left_through_);
   if (squared_distance_to_hint() < squared_bound()) start_from(input_.hints[query_.element]);
   if (best_squared_ == kInfinity) start_anywhere();
@@ -230,7 +233,7 @@ bool Search<D>::start() {
 
 /// Whether the candidate's segment may be followed in a TetTraversalPacket, with others.
 template <int D>
-bool Search<D>::may_postpone(const Candidate<D>& candidate) const {
+bool LaneSearch<D>::may_postpone(const Candidate<D>& candidate) const {
   if (D == 2 || !input_.is_oriented || !point_.is_strictly_inside() ||
       point_.component_state() == ComponentState::kInverted)
     return false;
@@ -240,7 +243,7 @@ bool Search<D>::may_postpone(const Candidate<D>& candidate) const {
 
 /// Near to far, until some path is found.
 template <int D>
-void Search<D>::start_anywhere() {
+void LaneSearch<D>::start_anywhere() {
   std::int64_t volumes = 0;
   visit_nearest(
       input_.face_nodes, input_.frame.around_point(query_.point), round_up(squared_bound()),
@@ -253,7 +256,7 @@ void Search<D>::start_anywhere() {
 }
 
 template <int D>
-PathResult<D> Search<D>::finish() {
+PathResult<D> LaneSearch<D>::finish() {
   if (best_squared_ < kInfinity) return describe_path(best_, smallest_face(best_));
   PathResult<D> none;
   if (!point_.is_inside()) none.status = PathStatus::kNotInElement;
@@ -262,7 +265,7 @@ PathResult<D> Search<D>::finish() {
 
 /// To a vertex of the face that is near in the mesh.
 template <int D>
-double Search<D>::squared_distance_to_hint() const {
+double LaneSearch<D>::squared_distance_to_hint() const {
   double least = kInfinity;
   const Index hint = input_.options.use_hints ? input_.hints[query_.element] : kNone;
   if (hint != kNone)
@@ -272,7 +275,7 @@ double Search<D>::squared_distance_to_hint() const {
 }
 
 template <int D>
-float Search<D>::squared_reach() const {
+float LaneSearch<D>::squared_reach() const {
   constexpr double kFarBeyond = 8;
   return round_up(kFarBeyond * kFarBeyond * squared_distance_to_hint());
 }

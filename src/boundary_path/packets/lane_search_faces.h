@@ -1,14 +1,14 @@
 #pragma once
 
-#include "boundary_path/search/search.h"
+#include "boundary_path/packets/lane_search.h"
 
-/// What a Search does with one boundary face: whether it is a candidate, whether a neighbour comes closer, and where
-/// its segment leads.
+/// LaneSearch considers one boundary face: whether it is a candidate, whether a neighbour comes closer, and where its
+/// segment leads.
 namespace selvage {
 inline namespace SELVAGE_ISA {
 
 template <int D>
-bool Search<D>::is_new(Index face) {
+bool LaneSearch<D>::is_new(Index face) {
   Index& slot = seen_[face % kRemembered];
   if (slot == face) return false;
   slot = face;
@@ -16,7 +16,7 @@ bool Search<D>::is_new(Index face) {
 }
 
 template <int D>
-void Search<D>::consider(Index face, unsigned feature, bool follow, const Candidate<D>* known) {
+void LaneSearch<D>::consider(Index face, unsigned feature, bool follow, const Candidate<D>* known) {
   while (face != kNone && is_new(face)) {
     if (!may_end_at(face)) return;
     if (counters_ != nullptr) ++counters_->faces_visited;
@@ -43,7 +43,7 @@ void Search<D>::consider(Index face, unsigned feature, bool follow, const Candid
 /// Farther than the answer. Of candidates that are equally far in double precision the one inside the larger feature is
 /// taken, which is a rounding away from the other (and which culling would leave), then the one on the smaller face.
 template <int D>
-bool Search<D>::is_worse(const Candidate<D>& candidate) const {
+bool LaneSearch<D>::is_worse(const Candidate<D>& candidate) const {
   if (candidate.squared_distance != squared_bound()) return candidate.squared_distance > squared_bound();
   if (candidate.squared_distance != best_squared_) return false;
   if (candidate.target.count != best_.target.count) return candidate.target.count < best_.target.count;
@@ -53,7 +53,7 @@ bool Search<D>::is_worse(const Candidate<D>& candidate) const {
 
 /// Whether the feature is that of the answer so far, or known not to be that of any.
 template <int D>
-bool Search<D>::is_known(Index face, unsigned mask) const {
+bool LaneSearch<D>::is_known(Index face, unsigned mask) const {
   VertexTuple<D> ids;
   ids.fill(kNone);
   int count = 0;
@@ -66,7 +66,7 @@ bool Search<D>::is_known(Index face, unsigned mask) const {
 }
 
 template <int D>
-bool Search<D>::was_dismissed(const VertexTuple<D>& ids) const {
+bool LaneSearch<D>::was_dismissed(const VertexTuple<D>& ids) const {
   for (int i = 0; i < std::min(dismissed_count_, kDismissed); ++i)
     if (dismissed_[i] == ids) return true;
   return false;
@@ -74,32 +74,32 @@ bool Search<D>::was_dismissed(const VertexTuple<D>& ids) const {
 
 /// The feature is not that of the answer, through whatever face it is found.
 template <int D>
-void Search<D>::dismiss(const Candidate<D>& candidate) {
+void LaneSearch<D>::dismiss(const Candidate<D>& candidate) {
   if (candidate.target.count < D && !follows_inverted_rules(candidate) && !is_split(input_, candidate))
     dismissed_[dismissed_count_++ % kDismissed] = candidate.ids;
 }
 
 /// p itself lies on the face. It is a candidate only for a penetrating vertex or edge that touches it.
 template <int D>
-void Search<D>::test_touching(const Candidate<D>& candidate) {
+void LaneSearch<D>::test_touching(const Candidate<D>& candidate) {
   if (query_.source[0] == kNone) return;
   if (TetTraversal<D>(input_, query_, point_.is_strictly_inside(), counters_).is_on(candidate.face)) accept(candidate);
 }
 
 template <int D>
-void Search<D>::test(const Candidate<D>& candidate) {
-  if (is_aiming_ && may_postpone(candidate)) {
+void LaneSearch<D>::test(const Candidate<D>& candidate) {
+  if (is_nominating_ && may_postpone(candidate)) {
     target_ = candidate;
     return;
   }
-  const TetTraversal<D> walk(input_, query_, point_.is_strictly_inside(), counters_);
+  const TetTraversal<D> traversal(input_, query_, point_.is_strictly_inside(), counters_);
   const double distance = std::sqrt(candidate.squared_distance);
   TraversalResult result;
   if (follows_inverted_rules(candidate))
-    result.valid = walk.follow_backwards(candidate);
+    result.valid = traversal.follow_backwards(candidate);
   else
-    result =
-        walk.follow(candidate, point_.component_state() == ComponentState::kImmersed && squared_bound() == kInfinity);
+    result = traversal.follow(candidate,
+                              point_.component_state() == ComponentState::kImmersed && squared_bound() == kInfinity);
   if (result.valid) return accept(candidate);
   dismiss(candidate);
   const double length = distance * (result.left_at + kLeftAtError) * kBoundSlack;
@@ -111,14 +111,14 @@ void Search<D>::test(const Candidate<D>& candidate) {
 }
 
 template <int D>
-void Search<D>::accept(const Candidate<D>& candidate) {
+void LaneSearch<D>::accept(const Candidate<D>& candidate) {
   if (input_.options.cull_infeasible_regions) return keep(candidate);
-  const Candidate<D> settled = settle(candidate);
-  if (settled.face == candidate.face || !is_worse(settled)) keep(settled);
+  const Candidate<D> moved = move_to_closer_neighbours(candidate);
+  if (moved.face == candidate.face || !is_worse(moved)) keep(moved);
 }
 
 template <int D>
-void Search<D>::keep(const Candidate<D>& candidate) {
+void LaneSearch<D>::keep(const Candidate<D>& candidate) {
   best_ = candidate;
   best_squared_ = candidate.squared_distance;
   reject_above_ = std::sqrt(squared_bound()) * kBoundSlack;
@@ -127,7 +127,7 @@ void Search<D>::keep(const Candidate<D>& candidate) {
 /// Without culling a rounding may make an infeasible candidate win over the closer one beside it, to which culling
 /// would have led: that one, if its path is valid.
 template <int D>
-Candidate<D> Search<D>::settle(Candidate<D> candidate) const {
+Candidate<D> LaneSearch<D>::move_to_closer_neighbours(Candidate<D> candidate) const {
   constexpr int kMaxSteps = 16;
   for (int step = 0; step < kMaxSteps; ++step) {
     const Index closer = closer_neighbour(candidate);
