@@ -38,7 +38,8 @@ struct Contact {
 /// Sum of weights[i] * x[vertices[i]]: where the point is, seen from the surface [m].
 inline Vec3 offset_of(const Contact& contact, std::span<const Vec3> positions) {
   Vec3 offset = Vec3::Zero();
-  for (int i = 0; i < contact.count; ++i) offset += contact.weights[i] * positions[contact.vertices[i]];
+  for (std::size_t i = 0; i < contact.count; ++i)
+    offset += contact.weights[i] * positions[static_cast<std::size_t>(contact.vertices[i])];
   return offset;
 }
 

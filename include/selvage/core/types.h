@@ -1,5 +1,11 @@
 #pragma once
 
+#if defined(__FAST_MATH__) && !defined(SELVAGE_ALLOW_FAST_MATH)
+#error \
+    "-ffast-math lets the whole program take denormal numbers for 0, where selvage is then no longer exact. Build \
+without it, or define SELVAGE_ALLOW_FAST_MATH where no coordinate, and no difference of two, is that small."
+#endif
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
