@@ -1,6 +1,6 @@
 #pragma once
 
-/// All public headers, from the lowest to the highest. Each may be included alone, too.
+/// All public headers. Each may be included alone, too.
 
 #include "selvage/boundary_path/boundary_path.h"
 #include "selvage/boundary_path/path_query.h"
@@ -27,6 +27,7 @@
 #include "selvage/scene/scene.h"
 #include "selvage/self_collision/continuous_collision.h"
 #include "selvage/self_collision/pair_filters.h"
+#include "selvage/self_collision/proximity.h"
 #include "selvage/self_collision/self_collision.h"
 #include "selvage/shapes/poses.h"
 #include "selvage/shapes/sequences.h"
@@ -34,6 +35,8 @@
 #include "selvage/simulation/collider.h"
 #include "selvage/simulation/model.h"
 #include "selvage/simulation/motion.h"
+#include "selvage/simulation/step.h"
 #include "selvage/simulation/xpbd.h"
+#include "selvage/surface_distance/surface_distance.h"
 #include "selvage/untangling/resolve.h"
 #include "selvage/version.h"
