@@ -104,7 +104,7 @@ class TriangleBatch {
           for (int l = 1; l < 3; ++l) edge_edge[i][j] &= ~same[(i + k) % 3][(j + l) % 3];
       }
     }
-    for (Float8 WideCorner::*const axis : {&WideCorner::x, &WideCorner::y, &WideCorner::z}) {
+    for (int axis = 0; axis < 3; ++axis) {
       MovingExtent corners[2][3], edges[2][3], faces[2];
       for (int side = 0; side < 2; ++side) {
         for (int k = 0; k < 3; ++k) corners[side][k] = sets.extent(3 * side + k, axis);

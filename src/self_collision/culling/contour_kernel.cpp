@@ -19,37 +19,16 @@ constexpr float kSlack = 1.0f / (1 << 19);
 SELVAGE_INLINE Float8 wide(float x) {
   return Float8::broadcast(x);
 }
-SELVAGE_INLINE Float8 negate(Float8 a) {
-  return wide(0) - a;
-}
-SELVAGE_INLINE Float8 absolute(Float8 a) {
-  return max(a, negate(a));
-}
 SELVAGE_INLINE unsigned less(Float8 a, Float8 b) {
   return ~less_equal(b, a) & less_equal(a, b);
 }
 
-struct Vector8 {
-  Float8 x;
-  Float8 y;
-};
-SELVAGE_INLINE Vector8 operator-(const Vector8& a, const Vector8& b) {
-  return {a.x - b.x, a.y - b.y};
-}
-SELVAGE_INLINE Float8 cross(const Vector8& a, const Vector8& b) {
-  return a.x * b.y - a.y * b.x;
-}
-SELVAGE_INLINE Float8 dot(const Vector8& a, const Vector8& b) {
-  return a.x * b.x + a.y * b.y;
-}
-SELVAGE_INLINE Float8 length(const Vector8& a) {
-  return absolute(a.x) + absolute(a.y);
-}
+using WideVec2 = LaneVec2<Float8>;
 
 /// Vectors that move linearly: one at each end of the step.
 template <int kSteps>
 struct Moving8 {
-  Vector8 at[kSteps];
+  WideVec2 at[kSteps];
 };
 template <int kSteps>
 SELVAGE_INLINE Moving8<kSteps> operator-(const Moving8<kSteps>& a, const Moving8<kSteps>& b) {
@@ -59,8 +38,8 @@ SELVAGE_INLINE Moving8<kSteps> operator-(const Moving8<kSteps>& a, const Moving8
 }
 template <int kSteps>
 SELVAGE_INLINE Float8 length(const Moving8<kSteps>& a) {
-  Float8 longest = length(a.at[0]);
-  for (int s = 1; s < kSteps; ++s) longest = max(longest, length(a.at[s]));
+  Float8 longest = abs_sum(a.at[0]);
+  for (int s = 1; s < kSteps; ++s) longest = max(longest, abs_sum(a.at[s]));
   return longest;
 }
 
@@ -82,11 +61,11 @@ SELVAGE_INLINE Bounds8 bound_product(const Moving8<kSteps>& a, const Moving8<kSt
 }
 template <int kSteps>
 SELVAGE_INLINE Bounds8 bound_cross(const Moving8<kSteps>& a, const Moving8<kSteps>& b) {
-  return bound_product(a, b, [](const Vector8& p, const Vector8& q) { return cross(p, q); });
+  return bound_product(a, b, [](const WideVec2& p, const WideVec2& q) { return cross(p, q); });
 }
 template <int kSteps>
 SELVAGE_INLINE Bounds8 bound_dot(const Moving8<kSteps>& a, const Moving8<kSteps>& b) {
-  return bound_product(a, b, [](const Vector8& p, const Vector8& q) { return dot(p, q); });
+  return bound_product(a, b, [](const WideVec2& p, const WideVec2& q) { return dot(p, q); });
 }
 
 /// Eight consecutive vertices, from a place on.
@@ -94,14 +73,14 @@ template <int kSteps>
 SELVAGE_INLINE Moving8<kSteps> load(const PlanarLoops<kSteps>& loops, Index place) {
   Moving8<kSteps> points;
   for (int s = 0; s < kSteps; ++s)
-    points.at[s] = {Float8::load(loops.coordinates[s][0] + place), Float8::load(loops.coordinates[s][1] + place)};
+    points.at[s] = {{Float8::load(loops.coordinates[s][0] + place), Float8::load(loops.coordinates[s][1] + place)}};
   return points;
 }
 template <int kSteps>
 SELVAGE_INLINE Moving8<kSteps> broadcast(const PlanarLoops<kSteps>& loops, Index place) {
   Moving8<kSteps> point;
   for (int s = 0; s < kSteps; ++s)
-    point.at[s] = {wide(loops.coordinates[s][0][place]), wide(loops.coordinates[s][1][place])};
+    point.at[s] = {{wide(loops.coordinates[s][0][place]), wide(loops.coordinates[s][1][place])}};
   return point;
 }
 
@@ -120,13 +99,13 @@ struct Boxes8 {
 };
 template <int kSteps>
 SELVAGE_INLINE Boxes8 sweep_boxes(const Moving8<kSteps>& tail, const Moving8<kSteps>& head) {
-  Boxes8 boxes{{min(tail.at[0].x, head.at[0].x), min(tail.at[0].y, head.at[0].y)},
-               {max(tail.at[0].x, head.at[0].x), max(tail.at[0].y, head.at[0].y)}};
+  Boxes8 boxes{{min(tail.at[0][0], head.at[0][0]), min(tail.at[0][1], head.at[0][1])},
+               {max(tail.at[0][0], head.at[0][0]), max(tail.at[0][1], head.at[0][1])}};
   for (int s = 1; s < kSteps; ++s) {
-    boxes.lower[0] = min(boxes.lower[0], min(tail.at[s].x, head.at[s].x));
-    boxes.lower[1] = min(boxes.lower[1], min(tail.at[s].y, head.at[s].y));
-    boxes.upper[0] = max(boxes.upper[0], max(tail.at[s].x, head.at[s].x));
-    boxes.upper[1] = max(boxes.upper[1], max(tail.at[s].y, head.at[s].y));
+    boxes.lower[0] = min(boxes.lower[0], min(tail.at[s][0], head.at[s][0]));
+    boxes.lower[1] = min(boxes.lower[1], min(tail.at[s][1], head.at[s][1]));
+    boxes.upper[0] = max(boxes.upper[0], max(tail.at[s][0], head.at[s][0]));
+    boxes.upper[1] = max(boxes.upper[1], max(tail.at[s][1], head.at[s][1]));
   }
   return boxes;
 }
@@ -193,8 +172,8 @@ SELVAGE_INLINE bool are_apart(const PlanarLoops<kSteps>& loops, const EdgeBlock&
 /// Whether all edges of a block certainly have a positive dot product with a direction all the time: then the block is
 /// a chain that meets itself nowhere.
 template <int kSteps>
-SELVAGE_INLINE bool does_advance(const Edges8<kSteps>& edges, const Vector8& direction) {
-  const Float8 margin = length(direction) * wide(kSlack);
+SELVAGE_INLINE bool does_advance(const Edges8<kSteps>& edges, const WideVec2& direction) {
+  const Float8 margin = abs_sum(direction) * wide(kSlack);
   unsigned advancing = edges.present;
   for (int s = 0; s < kSteps; ++s) advancing &= less(margin, dot(edges.head.at[s] - edges.tail.at[s], direction));
   return advancing == edges.present;
@@ -205,10 +184,10 @@ SELVAGE_INLINE bool does_advance(const Edges8<kSteps>& edges, const Vector8& dir
 template <int kSteps>
 SELVAGE_INLINE bool is_monotone(const PlanarLoops<kSteps>& loops, const EdgeBlock& first, const EdgeBlock& last) {
   constexpr float kSides[] = {0, 0.5f, -0.5f};
-  const Vector8 chord = (broadcast(loops, last.first + last.count) - broadcast(loops, first.first)).at[0];
+  const WideVec2 chord = (broadcast(loops, last.first + last.count) - broadcast(loops, first.first)).at[0];
   const Edges8<kSteps> head_edges(loops, first), tail_edges(loops, last);
   for (const float side : kSides) {
-    const Vector8 direction{chord.x - chord.y * wide(side), chord.y + chord.x * wide(side)};
+    const WideVec2 direction{{chord[0] - chord[1] * wide(side), chord[1] + chord[0] * wide(side)}};
     if (does_advance(head_edges, direction) && does_advance(tail_edges, direction)) return true;
   }
   return false;
@@ -256,7 +235,7 @@ SELVAGE_INLINE void fit(const PlanarLoops<kSteps>& loops) {
 void measure_moving_areas(const MovingRow* positions, const VertexTuple<3>* triangles, Index first, Index last,
                           const MovingAreaRows& areas) {
   constexpr Index kAhead = 2 * kWidth;
-  const auto size = [](const WideCorner& a) { return magnitude(a.x) + magnitude(a.y) + magnitude(a.z); };
+  const auto size = [](const WideVec3& a) { return abs_sum(a); };
   const auto size_of_both = [&](const MovingCorner& a) { return max(size(a.start), size(a.end)); };
   Float8 sums[3] = {wide(0), wide(0), wide(0)};
   for (Index place = first; place < last; place += kWidth) {
@@ -271,10 +250,9 @@ void measure_moving_areas(const MovingRow* positions, const VertexTuple<3>* tria
     const MovingCorner origin = gather_moving(positions, vertices[0]);
     const MovingCorner e = gather_moving(positions, vertices[1]) - origin;
     const MovingCorner f = gather_moving(positions, vertices[2]) - origin;
-    const WideCorner a = cross(e.start, f.end), b = cross(e.end, f.start);
+    const WideVec3 a = cross(e.start, f.end), b = cross(e.end, f.start);
     const Float8 half = wide(0.5f);
-    const WideCorner coefficients[3] = {
-        cross(e.start, f.start), {(a.x + b.x) * half, (a.y + b.y) * half, (a.z + b.z) * half}, cross(e.end, f.end)};
+    const WideVec3 coefficients[3] = {cross(e.start, f.start), half * (a + b), cross(e.end, f.end)};
     // Each component of an edge is off by two roundings of positions and its own, and each product by both of its
     // factors' errors: summed over the components of the cross product, twice the one edge's for each unit of the
     // other's size, and six times the product of both. The rest is what products and sums round off, here and in a dot
@@ -285,9 +263,8 @@ void measure_moving_areas(const MovingRow* positions, const VertexTuple<3>* tria
     error.store(areas.errors + place);
     const int present = last - place < kWidth ? last - place : kWidth;
     for (int k = 0; k < 3; ++k) {
-      Float8 WideCorner::*const axis = k == 0 ? &WideCorner::x : k == 1 ? &WideCorner::y : &WideCorner::z;
-      for (int c = 0; c < 3; ++c) (coefficients[c].*axis).store(areas.rows[c][k] + place);
-      sums[k] = sums[k] + keep_first(coefficients[0].*axis + coefficients[2].*axis, present);
+      for (int c = 0; c < 3; ++c) coefficients[c][k].store(areas.rows[c][k] + place);
+      sums[k] = sums[k] + keep_first(coefficients[0][k] + coefficients[2][k], present);
     }
     if ((place + kWidth) % kAreaGroup != 0 && place + kWidth < last) continue;
     for (int k = 0; k < 3; ++k) {

@@ -8,7 +8,7 @@ inline namespace SELVAGE_ISA {
 /// Two triangles, of which each has vertices on both sides of the other's plane, listed so that the first vertex of
 /// each is alone on its side, and above the other's plane, turning the other over where it is not.
 struct WideFacingPairs {
-  WideCorner a[3], b[3];
+  WideVec3 a[3], b[3];
 };
 
 /// 1 where a height is positive, -1 elsewhere: products of heights may vanish, products of these do not.
@@ -24,27 +24,27 @@ struct WideSides {
 };
 
 /// x where s is positive, y elsewhere.
-SELVAGE_INLINE WideCorner select_positive(Float8 s, const WideCorner& x, const WideCorner& y) {
+SELVAGE_INLINE WideVec3 select_positive(Float8 s, const WideVec3& x, const WideVec3& y) {
   const auto select = [&](Float8 p, Float8 q) { return select_less(Float8::broadcast(0), s, p, q); };
-  return {select(x.x, y.x), select(x.y, y.y), select(x.z, y.z)};
+  return {{select(x[0], y[0]), select(x[1], y[1]), select(x[2], y[2])}};
 }
 
 /// Turns the vertices around so that the one which is alone on its side comes first.
-SELVAGE_INLINE void bring_lone_first(WideCorner (&triangle)[3], const WideSides& sides) {
+SELVAGE_INLINE void bring_lone_first(WideVec3 (&triangle)[3], const WideSides& sides) {
   const Float8 zero_is_alone = sides.of[1] * sides.of[2], one_is_alone = sides.of[2] * sides.of[0];
-  const WideCorner t[3] = {triangle[0], triangle[1], triangle[2]};
+  const WideVec3 t[3] = {triangle[0], triangle[1], triangle[2]};
   for (int i = 0; i < 3; ++i)
     triangle[i] = select_positive(zero_is_alone, t[i], select_positive(one_is_alone, t[(i + 1) % 3], t[(i + 2) % 3]));
 }
 
-SELVAGE_INLINE void swap_where_positive(Float8 s, WideCorner& x, WideCorner& y) {
-  const WideCorner was_x = x;
+SELVAGE_INLINE void swap_where_positive(Float8 s, WideVec3& x, WideVec3& y) {
+  const WideVec3 was_x = x;
   x = select_positive(s, y, x);
   y = select_positive(s, was_x, y);
 }
 
-SELVAGE_INLINE WideFacingPairs face_each_other(const WideCorner (&a)[3], const WideCorner (&b)[3],
-                                               const WideSides& of_a, const WideSides& of_b) {
+SELVAGE_INLINE WideFacingPairs face_each_other(const WideVec3 (&a)[3], const WideVec3 (&b)[3], const WideSides& of_a,
+                                               const WideSides& of_b) {
   WideFacingPairs pairs{{a[0], a[1], a[2]}, {b[0], b[1], b[2]}};
   bring_lone_first(pairs.a, of_a);
   bring_lone_first(pairs.b, of_b);
@@ -62,24 +62,24 @@ struct CertainLanes {
 /// Where no vertex of either triangle lies on the other's plane, and both have vertices on both sides: whether on the
 /// line common to the planes each begins before the other ends. The same test as that of classify_contact(), in single
 /// precision with a bound of all rounding.
-SELVAGE_INLINE CertainLanes tell_crossing(const WideCorner (&a)[3], const WideCorner (&b)[3]) {
+SELVAGE_INLINE CertainLanes tell_crossing(const WideVec3 (&a)[3], const WideVec3 (&b)[3]) {
   const WideHeights of_a = heights_over(b, a), of_b = heights_over(a, b);
   unsigned certain = 0xff;
   for (int i = 0; i < 3; ++i)
-    certain &= less_equal(of_a.bound, magnitude(of_a.values[i])) & less_equal(of_b.bound, magnitude(of_b.values[i]));
+    certain &= less_equal(of_a.bound, abs(of_a.values[i])) & less_equal(of_b.bound, abs(of_b.values[i]));
   const WideSides sides_of_a(of_a.values), sides_of_b(of_b.values);
   const Float8 one = Float8::broadcast(1);
-  certain &= less_equal(magnitude(sides_of_a.majority()), one) & less_equal(magnitude(sides_of_b.majority()), one);
+  certain &= less_equal(abs(sides_of_a.majority()), one) & less_equal(abs(sides_of_b.majority()), one);
   const WideFacingPairs pairs = face_each_other(a, b, sides_of_a, sides_of_b);
-  const WideCorner origin = pairs.a[0];
-  const WideCorner u[2] = {pairs.a[1] - origin, pairs.a[2] - origin};
-  const WideCorner w = pairs.b[0] - origin, v[2] = {pairs.b[1] - origin, pairs.b[2] - origin};
-  const Float8 far = max(max(max(reach(u[0]), reach(u[1])), max(reach(v[0]), reach(v[1]))), reach(w));
+  const WideVec3 origin = pairs.a[0];
+  const WideVec3 u[2] = {pairs.a[1] - origin, pairs.a[2] - origin};
+  const WideVec3 w = pairs.b[0] - origin, v[2] = {pairs.b[1] - origin, pairs.b[2] - origin};
+  const Float8 far = max(max(max(abs_max(u[0]), abs_max(u[1])), max(abs_max(v[0]), abs_max(v[1]))), abs_max(w));
   // As in heights_over(), with no edge shorter than the others.
   const Float8 bound = difference_error(far) * far * far * Float8::broadcast(20) + Float8::broadcast(1e-30f);
   const Float8 before = dot(cross(u[0], w), v[0]), after = dot(cross(u[1], w), v[1]);
-  return {certain & less_equal(before, negative(bound)) & less_equal(bound, after),
-          certain & (less_equal(bound, before) | less_equal(after, negative(bound)))};
+  return {certain & less_equal(before, negate(bound)) & less_equal(bound, after),
+          certain & (less_equal(bound, before) | less_equal(after, negate(bound)))};
 }
 
 }  // namespace SELVAGE_ISA

@@ -28,12 +28,12 @@ class AdjacentBatch {
       b_[i] = b_[0];
     }
     const unsigned lanes = pairs_.fill();
-    WideCorner a[3], b[3];
+    WideVec3 a[3], b[3];
     gather_triangles(
         input_.a, [&](int lane) -> const VertexTuple<3>& { return a_[lane]; }, a);
     gather_triangles(
         input_.b, [&](int lane) -> const VertexTuple<3>& { return b_[lane]; }, b);
-    const WideCorner rest_a[3] = {a[kShared], a[2], a[2]}, rest_b[3] = {b[kShared], b[2], b[2]};
+    const WideVec3 rest_a[3] = {a[kShared], a[2], a[2]}, rest_b[3] = {b[kShared], b[2], b[2]};
     unsigned apart = beside_plane(a, rest_b) | beside_plane(b, rest_a);
     // A triangle flat beside its neighbour is not beside its plane.
     if constexpr (kShared == 1)

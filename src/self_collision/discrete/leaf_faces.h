@@ -19,14 +19,14 @@ struct alignas(64) LeafFaces {
 
   /// @param rows  the place of each vertex, see DeformedSurface::rounded()
   SELVAGE_INLINE void fill(const std::array<float, 4>* rows, const LeafVertices& leaves) {
-    WideCorner corners[3];
+    WideVec3 corners[3];
     for (int k = 0; k < 3; ++k)
       corners[k] = gather_corner(rows, [&](int lane) { return std::max(leaves.corners[k][lane], 0); });
-    const WideCorner u = corners[1] - corners[0], v = corners[2] - corners[0];
+    const WideVec3 u = corners[1] - corners[0], v = corners[2] - corners[0];
     const auto extent = [&](Float8 a, Float8 b, Float8 c) { return max(max(a, b), c) - min(min(a, b), c); };
-    const Float8 largest =
-        max(max(extent(corners[0].x, corners[1].x, corners[2].x), extent(corners[0].y, corners[1].y, corners[2].y)),
-            extent(corners[0].z, corners[1].z, corners[2].z));
+    const Float8 largest = max(
+        max(extent(corners[0][0], corners[1][0], corners[2][0]), extent(corners[0][1], corners[1][1], corners[2][1])),
+        extent(corners[0][2], corners[1][2], corners[2][2]));
     store(corners[0], origin);
     store(u, edges[0]);
     store(v, edges[1]);
@@ -36,10 +36,10 @@ struct alignas(64) LeafFaces {
   }
 
  private:
-  SELVAGE_INLINE static void store(const WideCorner& corner, Rows& rows) {
-    corner.x.store(rows[0]);
-    corner.y.store(rows[1]);
-    corner.z.store(rows[2]);
+  SELVAGE_INLINE static void store(const WideVec3& corner, Rows& rows) {
+    corner[0].store(rows[0]);
+    corner[1].store(rows[1]);
+    corner[2].store(rows[2]);
   }
 };
 
@@ -76,16 +76,15 @@ class FaceCache {
 };
 
 /// Eight entries of rows.
-SELVAGE_INLINE WideCorner pick_rows(const LeafFaces::Rows& rows, Int8 lanes) {
+SELVAGE_INLINE WideVec3 pick_rows(const LeafFaces::Rows& rows, Int8 lanes) {
   const auto pick = [&](const float* row) { return pick_lanes(Float8::load(row), lanes); };
-  return {pick(rows[0]), pick(rows[1]), pick(rows[2])};
+  return {{pick(rows[0]), pick(rows[1]), pick(rows[2])}};
 }
 
 /// Lanes in which a number and its sums with two others are all at least `bound`, or all at most -bound.
 SELVAGE_INLINE unsigned all_beyond(Float8 first, Float8 step, Float8 other_step, Float8 bound) {
   const Float8 second = first + step, third = first + other_step;
-  return less_equal(bound, min(min(first, second), third)) |
-         less_equal(max(max(first, second), third), negative(bound));
+  return less_equal(bound, min(min(first, second), third)) | less_equal(max(max(first, second), third), negate(bound));
 }
 
 /// Lanes of eight pairs of triangles in which one lies, for certain, on one side of the plane of the other. Only for
@@ -93,8 +92,8 @@ SELVAGE_INLINE unsigned all_beyond(Float8 first, Float8 step, Float8 other_step,
 ///
 /// @param i, k  which triangle of a, and of b; only the lowest three bits count
 SELVAGE_INLINE unsigned beside_faces(const LeafFaces& a, Int8 i, const LeafFaces& b, Int8 k) {
-  const WideCorner normal_a = pick_rows(a.normal, i), normal_b = pick_rows(b.normal, k);
-  const WideCorner way = pick_rows(b.origin, k) - pick_rows(a.origin, i);
+  const WideVec3 normal_a = pick_rows(a.normal, i), normal_b = pick_rows(b.normal, k);
+  const WideVec3 way = pick_rows(b.origin, k) - pick_rows(a.origin, i);
   const Float8 size_a = pick_lanes(Float8::load(a.size), i), size_b = pick_lanes(Float8::load(b.size), k);
   // Boxes that meet reach no farther than this from any vertex of either. As in heights_over(), but that heights are
   // sums of two dot products, each rounded.
@@ -104,7 +103,7 @@ SELVAGE_INLINE unsigned beside_faces(const LeafFaces& a, Int8 i, const LeafFaces
   const auto along = [&](const LeafFaces::Rows& edge) { return dot(normal_a, pick_rows(edge, k)); };
   const auto across = [&](const LeafFaces::Rows& edge) { return dot(normal_b, pick_rows(edge, i)); };
   return all_beyond(dot(normal_a, way), along(b.edges[0]), along(b.edges[1]), share * size_a + smallest) |
-         all_beyond(negative(dot(normal_b, way)), across(a.edges[0]), across(a.edges[1]), share * size_b + smallest);
+         all_beyond(negate(dot(normal_b, way)), across(a.edges[0]), across(a.edges[1]), share * size_b + smallest);
 }
 
 }  // namespace SELVAGE_ISA

@@ -13,7 +13,7 @@ inline namespace SELVAGE_ISA {
 
 /// @param triangle  `const VertexTuple<3>& triangle(int lane)`
 template <typename Triangle>
-SELVAGE_INLINE void gather_triangles(const SurfaceView& surface, Triangle&& triangle, WideCorner (&corners)[3]) {
+SELVAGE_INLINE void gather_triangles(const SurfaceView& surface, Triangle&& triangle, WideVec3 (&corners)[3]) {
   for (int k = 0; k < 3; ++k) corners[k] = gather_corner(surface.rounded, [&](int lane) { return triangle(lane)[k]; });
 }
 
@@ -46,7 +46,7 @@ struct ByLeaf {
 /// @tparam Naming  ByTriangle or ByLeaf
 template <typename Naming>
 struct WidePairs {
-  WideCorner a[3], b[3];
+  WideVec3 a[3], b[3];
 
   SELVAGE_INLINE WidePairs(const DiscreteInput& input, const Index* first, const Index* second) {
     for (int k = 0; k < 3; ++k) {

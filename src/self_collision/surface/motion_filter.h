@@ -8,7 +8,7 @@ inline namespace SELVAGE_ISA {
 
 /// The same point of eight pairs at one time and at a later one.
 struct MovingCorner {
-  WideCorner start, end;
+  WideVec3 start, end;
 };
 SELVAGE_INLINE MovingCorner operator-(const MovingCorner& a, const MovingCorner& b) {
   return {a.start - b.start, a.end - b.end};
@@ -24,11 +24,9 @@ SELVAGE_INLINE MovingCorner gather_moving(const MovingRow* rows, const Index (&v
   transpose(low[0], low[1], low[2], low[3]);
   transpose(high[0], high[1], high[2], high[3]);
   MovingCorner corner;
-  Float8* const start[] = {&corner.start.x, &corner.start.y, &corner.start.z};
-  Float8* const end[] = {&corner.end.x, &corner.end.y, &corner.end.z};
   for (int k = 0; k < 3; ++k) {
-    *start[k] = Float8::join(low[k].low(), high[k].low());
-    *end[k] = Float8::join(low[k].high(), high[k].high());
+    corner.start[k] = Float8::join(low[k].low(), high[k].low());
+    corner.end[k] = Float8::join(low[k].high(), high[k].high());
   }
   return corner;
 }
@@ -75,7 +73,7 @@ class MovingSets {
     far_ = Float8::broadcast(0);
     for (MovingCorner& point : points_) {
       point = point - origin;
-      far_ = max(far_, max(reach(point.start), reach(point.end)));
+      far_ = max(far_, max(abs_max(point.start), abs_max(point.end)));
     }
     // Along a direction, two positions of which each is off by a rounding, and ten more of each while times are
     // shortened and dot products taken: in all less than this for each unit of the sum of the direction's coordinates.
@@ -84,8 +82,8 @@ class MovingSets {
   }
 
   /// The range of a point along an axis, and the gap between two such ranges that separates them for certain.
-  SELVAGE_INLINE MovingExtent extent(int point, Float8 WideCorner::*axis) const {
-    return {points_[point].start.*axis, points_[point].end.*axis};
+  SELVAGE_INLINE MovingExtent extent(int point, int axis) const {
+    return {points_[point].start[axis], points_[point].end[axis]};
   }
   SELVAGE_INLINE Float8 gap() const { return gap_; }
 
@@ -98,17 +96,13 @@ class MovingSets {
   /// Leaves a part of the time: from one fraction of it to another.
   SELVAGE_INLINE void shorten(Float8 from, Float8 to) {
     for (MovingCorner& point : points_) {
-      const WideCorner way = point.end - point.start;
-      point = {sum(point.start, times(way, from)), sum(point.start, times(way, to))};
+      const WideVec3 way = point.end - point.start;
+      point = {point.start + from * way, point.start + to * way};
     }
   }
 
  private:
   using Points = MovingCorner[kPoints];
-  SELVAGE_INLINE static WideCorner times(const WideCorner& a, Float8 s) { return {a.x * s, a.y * s, a.z * s}; }
-  SELVAGE_INLINE static WideCorner sum(const WideCorner& a, const WideCorner& b) {
-    return {a.x + b.x, a.y + b.y, a.z + b.z};
-  }
 
   /// The sum of both sets' thickness, rounded up.
   SELVAGE_INLINE static Float8 distance(const float* thickness, const Index (&vertices)[kPoints][8]) {
@@ -127,8 +121,7 @@ class MovingSets {
 
   SELVAGE_INLINE unsigned apart_in_part(const Points& points) const {
     unsigned apart = 0;
-    for (Float8 WideCorner::*const axis : {&WideCorner::x, &WideCorner::y, &WideCorner::z})
-      apart |= apart_by([&](const WideCorner& x) { return x.*axis; }, points, gap_);
+    for (int axis = 0; axis < 3; ++axis) apart |= apart_by([&](const WideVec3& x) { return x[axis]; }, points, gap_);
     return apart == 0xff ? apart : apart | apart_in_the_middle(points);
   }
 
@@ -138,20 +131,18 @@ class MovingSets {
     // A coordinate of a difference of two points is off by less than error_, and no larger than this.
     const Float8 largest = far_ + far_;
     const Float8 volume_bound = largest * largest * error_ * Float8::broadcast(32) + Float8::broadcast(1e-30f);
-    const auto volume = [&](WideCorner MovingCorner::*time) {
-      const WideCorner &a = points[0].*time, &b = points[1].*time, &c = points[2].*time, &d = points[3].*time;
+    const auto volume = [&](WideVec3 MovingCorner::*time) {
+      const WideVec3 &a = points[0].*time, &b = points[1].*time, &c = points[2].*time, &d = points[3].*time;
       return dot(b - a, cross(c - a, d - a));
     };
     const Float8 before = volume(&MovingCorner::start), after = volume(&MovingCorner::end);
-    const unsigned turning = (less_equal(volume_bound, before) & less_equal(volume_bound, negative(after))) |
-                             (less_equal(volume_bound, negative(before)) & less_equal(volume_bound, after));
+    const unsigned turning = (less_equal(volume_bound, before) & less_equal(volume_bound, negate(after))) |
+                             (less_equal(volume_bound, negate(before)) & less_equal(volume_bound, after));
     if (turning == 0) return 0;
-    WideCorner m[kPoints];
-    for (int i = 0; i < kPoints; ++i) m[i] = sum(points[i].start, points[i].end);
-    const WideCorner along = kFirst == 1 ? cross(m[2] - m[1], m[3] - m[1]) : cross(m[1] - m[0], m[3] - m[2]);
-    const Float8 bound =
-        (magnitude(along.x) + magnitude(along.y) + magnitude(along.z)) * largest * error_ * Float8::broadcast(8) +
-        Float8::broadcast(1e-30f);
+    WideVec3 m[kPoints];
+    for (int i = 0; i < kPoints; ++i) m[i] = points[i].start + points[i].end;
+    const WideVec3 along = kFirst == 1 ? cross(m[2] - m[1], m[3] - m[1]) : cross(m[1] - m[0], m[3] - m[2]);
+    const Float8 bound = (abs_sum(along)) * largest * error_ * Float8::broadcast(8) + Float8::broadcast(1e-30f);
     /// On which side of the line through two points another is, seen along the direction: the range of the coefficients
     /// in Bernstein form.
     const auto side = [&](int from, int to, int of) {
@@ -166,8 +157,8 @@ class MovingSets {
       return turning & less_equal(bound, lowest);
     } else {
       const auto opposite = [&](const Bounds& a, const Bounds& b) {
-        return (less_equal(bound, a.lower) & less_equal(bound, negative(b.upper))) |
-               (less_equal(bound, b.lower) & less_equal(bound, negative(a.upper)));
+        return (less_equal(bound, a.lower) & less_equal(bound, negate(b.upper))) |
+               (less_equal(bound, b.lower) & less_equal(bound, negate(a.upper)));
       };
       return turning & opposite(side(0, 1, 2), side(0, 1, 3)) & opposite(side(2, 3, 0), side(2, 3, 1));
     }
@@ -181,24 +172,24 @@ class MovingSets {
   /// its plane the normals of its sides. For two edges: the normal to both, in their plane the normal to each, and two
   /// more for parallel edges. These find every separation at that moment. For two triangles: only their normals.
   SELVAGE_INLINE unsigned apart_in_the_middle(const Points& points) const {
-    WideCorner m[kPoints];
-    for (int i = 0; i < kPoints; ++i) m[i] = sum(points[i].start, points[i].end);
-    const auto apart = [&](const WideCorner& direction) { return apart_along(direction, points); };
+    WideVec3 m[kPoints];
+    for (int i = 0; i < kPoints; ++i) m[i] = points[i].start + points[i].end;
+    const auto apart = [&](const WideVec3& direction) { return apart_along(direction, points); };
     if constexpr (kFirst == 1) {
-      const WideCorner ab = m[2] - m[1], bc = m[3] - m[2], ca = m[1] - m[3], normal = cross(ab, bc);
+      const WideVec3 ab = m[2] - m[1], bc = m[3] - m[2], ca = m[1] - m[3], normal = cross(ab, bc);
       return apart(normal) | apart(cross(normal, ab)) | apart(cross(normal, bc)) | apart(cross(normal, ca));
     } else if constexpr (kFirst == 2) {
-      const WideCorner u = m[1] - m[0], v = m[3] - m[2], w = m[2] - m[0], normal = cross(u, v);
-      const WideCorner aside = times(w, dot(u, u)) - times(u, dot(u, w));
+      const WideVec3 u = m[1] - m[0], v = m[3] - m[2], w = m[2] - m[0], normal = cross(u, v);
+      const WideVec3 aside = dot(u, u) * w - dot(u, w) * u;
       return apart(normal) | apart(cross(normal, u)) | apart(cross(normal, v)) | apart(aside) | apart(u);
     } else {
       return apart(cross(m[1] - m[0], m[2] - m[0])) | apart(cross(m[4] - m[3], m[5] - m[3]));
     }
   }
 
-  SELVAGE_INLINE unsigned apart_along(const WideCorner& direction, const Points& points) const {
-    const Float8 length = magnitude(direction.x) + magnitude(direction.y) + magnitude(direction.z);
-    return apart_by([&](const WideCorner& x) { return dot(direction, x); }, points,
+  SELVAGE_INLINE unsigned apart_along(const WideVec3& direction, const Points& points) const {
+    const Float8 length = abs_sum(direction);
+    return apart_by([&](const WideVec3& x) { return dot(direction, x); }, points,
                     gap_ * length + Float8::broadcast(1e-30f));
   }
 
