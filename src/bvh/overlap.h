@@ -12,7 +12,7 @@ std::vector<IndexPair> overlapping_pairs(const Bvh& a, const Bvh& b);
 /// All pairs i < j of primitives of one hierarchy whose boxes meet, borders included; each once, sorted. Parallel.
 std::vector<IndexPair> self_overlapping_pairs(const Bvh& bvh);
 
-/// A node of one hierarchy and a node of another, whose primitives are still to be compared; or of a node only the
+/// A node of one hierarchy and a node of another, whose primitives remain to be compared; or of a node only the
 /// primitives among its children. Within one hierarchy, a node with itself stands for all pairs of primitives in it.
 struct NodePair {
   Index a;

@@ -205,7 +205,7 @@ std::vector<TrianglePair> all_pairs(const surfaces::Surface& s, bool include_adj
   return pairs;
 }
 
-/// The least `bits` for which all coordinates times 2^bits are integers, and the size of the largest of these.
+/// The smallest `bits` for which all coordinates times 2^bits are integers, and the size of the largest of these.
 struct Fineness {
   int bits = -2000, size = 0;
 

@@ -20,7 +20,7 @@ bool do_agree(const TriangleMesh& mesh, Index triangle, int corner, HalfFace acr
 
 /// For each triangle whether it must be turned so that it agrees with its neighbours, each component starting from its
 /// first triangle.
-std::vector<char> find_inverted_vertices(const TriangleMesh& mesh) {
+std::vector<char> find_reversed_triangles(const TriangleMesh& mesh) {
   std::vector<char> turned(mesh.triangle_count(), 0), seen = turned;
   std::vector<Index> waiting;
   for (Index start = 0; start < mesh.triangle_count(); ++start) {
@@ -69,7 +69,7 @@ SurfacePieces::SurfacePieces(const TriangleMesh& mesh, const Bvh& bvh) {
   if (bvh.nodes().empty()) return;
   ranges_ = find_ranges(bvh.nodes());
   contours_.resize(bvh.nodes().size());
-  const std::vector<char> turned = mesh.is_oriented() ? std::vector<char>() : find_inverted_vertices(mesh);
+  const std::vector<char> turned = mesh.is_oriented() ? std::vector<char>() : find_reversed_triangles(mesh);
   link_edges(turned, place_triangles(mesh, bvh.nodes(), turned));
 }
 
@@ -130,7 +130,7 @@ SurfacePieces::Contours SurfacePieces::trace_contours(Index node, std::vector<ch
   Contours contours;
   const Index base = 3 * ranges_[node].first, end = 3 * ranges_[node].last;
   workspace.resize(end - base);
-  char* const waiting = workspace.data();  // edges of contours that are still to come
+  char* const waiting = workspace.data();  // edges of contours not yet traced
   SELVAGE_DISPATCH(mark_contour, opposite_.data(), base, end, waiting);
   const auto next_on_contour = [&](Index edge) {
     Index next = next_in_triangle(edge);

@@ -9,13 +9,13 @@ namespace selvage {
 
 namespace {
 
-/// A vertex of n triangles makes n^2 pairs; this is several times what other surfaces have.
+/// More neighbours a node are not listed: a vertex of n triangles makes n^2 pairs. Ordinary surfaces have far fewer.
 constexpr std::size_t kMaxPerNode = 16;
 
 class NeighbourLister {
  public:
   NeighbourLister(std::span<const BvhNode> nodes, std::span<const LeafVertices> leaves)
-      : nodes_(nodes), leaves_(leaves), most_(kMaxPerNode * (nodes.size() + 64)) {
+      : nodes_(nodes), leaves_(leaves), max_size_(kMaxPerNode * (nodes.size() + 64)) {
     list_.reserve(4 * nodes.size());
   }
 
@@ -30,7 +30,7 @@ class NeighbourLister {
     const std::size_t place = list_.size();
     list_.push_back({pair, 0, 0});
     std::uint64_t neighbours = 0;
-    if (place > most_)
+    if (place > max_size_)
       neighbours = NeighbourPair::kUnlisted;
     else
       traversal::compare_children<true>(
@@ -50,7 +50,7 @@ class NeighbourLister {
     return true;
   }
 
-  /// The rows and columns of a pair of nodes that a pair below it stands for.
+  /// The bits, in a pair of nodes, of the children that a pair below it consists of.
   std::uint64_t children_in(NodePair pair, NodePair below) const {
     const auto all = [&](Index node, Index child, bool primitives) -> unsigned {
       if (primitives) return 0xff & ~traversal::inner_children(nodes_[node]);
@@ -66,7 +66,7 @@ class NeighbourLister {
 
   std::span<const BvhNode> nodes_;
   std::span<const LeafVertices> leaves_;
-  std::size_t most_;
+  std::size_t max_size_;
   std::vector<NeighbourPair> list_;
 };
 
