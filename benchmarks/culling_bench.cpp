@@ -79,7 +79,7 @@ void culling(benchmark::State& state) {
   state.SetLabel(std::string(kNames[state.range(0)]) + ", " +
                  std::string(culling_method_names()[static_cast<std::size_t>(state.range(1))]));
   state.counters["pairs"] = static_cast<double>(pairs);
-  state.counters["cleared"] =
+  state.counters["culled"] =
       static_cast<double>(counters.culled_triangles) / static_cast<double>(surface.mesh.triangle_count());
   state.counters["box_pairs"] = static_cast<double>(counters.box_pairs);
 }

@@ -76,7 +76,7 @@ class SurfaceDistance {
   /// @throws Error  when a coordinate is not finite or too large
   std::vector<SurfacePoint> find_closest_points(std::span<const Vec3> points) const;
 
-  /// The side of each point, without its distance. O(log n + triangles above or below the point) expected a point;
+  /// The side of each point, without its distance. O(log n + triangles above the point) expected a point;
   /// parallel.
   /// @throws Error  when the surface is not closed, or a coordinate is not finite or too large
   std::vector<SurfaceSide> find_sides(std::span<const Vec3> points) const;
