@@ -27,8 +27,7 @@ struct PointInside {
 /// follow from there the material that lies in the same place: either it ends at the boundary, which the edge then
 /// crosses, or the end of the edge is inside as well. So the search starts from faces that meet others, and continues
 /// from each vertex that is inside to the faces around it. This reaches all but features at inverted elements, and at
-/// vertices whose elements may overlap each other; these are added. See
-/// docs/how_it_works/contact.md.
+/// vertices whose elements may overlap each other; these are added. See docs/how_it_works/contact.md.
 class PenetrationSearch {
  public:
   /// @param with_edges  whether edges are features, too
