@@ -1,5 +1,5 @@
-# cmake -DROOT=<repository> -P check_links.cmake: fails where a relative link or picture of a page does not exist, or
-# where its #part is no heading of the page that it names.
+# cmake -DROOT=<repository> -P check_links.cmake: fails where a relative link or picture of a page does not exist, where
+# its #part is no heading of the page that it names, or where a source names a page of docs/ that does not exist.
 
 cmake_policy(VERSION 3.25)
 
@@ -62,6 +62,28 @@ foreach(page IN LISTS pages)
       if(NOT anchor IN_LIST anchors)
         list(APPEND violations "${name}: ${link}: no heading of that page makes #${anchor}")
       endif()
+    endif()
+  endforeach()
+endforeach()
+
+# Pages that comments, messages and scripts name.
+set(sources ${ROOT}/Makefile)
+foreach(folder IN ITEMS src include tests benchmarks scripts cmake scenes examples fuzz python viewer)
+  file(GLOB_RECURSE found ${ROOT}/${folder}/*)
+  list(FILTER found EXCLUDE REGEX "/tests/house/")
+  list(APPEND sources ${found})
+endforeach()
+foreach(source IN LISTS sources)
+  if(NOT EXISTS ${source})
+    continue()
+  endif()
+  file(STRINGS ${source} lines REGEX "docs/[A-Za-z0-9_/]+\\.md")
+  string(REGEX MATCHALL "docs/[A-Za-z0-9_/]+\\.md" names "${lines}")
+  foreach(name IN LISTS names)
+    math(EXPR count "${count} + 1")
+    if(NOT EXISTS ${ROOT}/${name})
+      file(RELATIVE_PATH source_name ${ROOT} ${source})
+      list(APPEND violations "${source_name}: there is no ${name}")
     endif()
   endforeach()
 endforeach()

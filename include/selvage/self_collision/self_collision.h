@@ -13,7 +13,7 @@
 namespace selvage {
 
 /// Methods of self-collision culling: whole pieces of surface are left out that cannot collide with themselves. Methods
-/// marked as accurate change no answer; see docs/self_collision_cones.md.
+/// marked as accurate change no answer; see docs/how_it_works/self_collision_cones.md.
 enum class CullingMethod : std::uint8_t {
   kBvh,                        ///< accurate: the hierarchy alone, no culling; what the other methods are compared with
   kNormalCone,                 ///< accurate: normal cone test (Volino, Magnenat-Thalmann 1994; Provot 1997)

@@ -10,7 +10,7 @@ namespace selvage {
 ///
 /// A star is measured once: the smallest distance between features of its triangles that share no vertex, and the
 /// positions of its vertices relative to the middle. The star is separated as long as no vertex has moved by half that
-/// distance, up to a motion of the star as a rigid body. See docs/contact.md.
+/// distance, up to a motion of the star as a rigid body. See docs/how_it_works/contact.md.
 class StarSeparation {
  public:
   /// @param mesh  must outlive this

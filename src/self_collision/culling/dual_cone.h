@@ -21,7 +21,7 @@ enum class ContourEdges : std::uint8_t {
 };
 
 /// `CullingMethod::kDualCone` and `kDualConeInternal`: FASTCD as published, without and with internal edges. Both miss
-/// pairs (docs/self_collision_cones.md; EDC section 4.3).
+/// pairs (docs/how_it_works/self_collision_cones.md; EDC section 4.3).
 template <int kSteps>
 CulledPairs cull_by_dual_cones(ContourEdges edges, const Bvh& bvh, SurfacePieces& pieces,
                                const typename SurfaceCones<kSteps>::Poses& poses);

@@ -18,7 +18,7 @@ struct EnhancedDualConeResult {
 
 /// EDC's conditions 1 to 3 as published (algorithm 4, EnhancedDualConeTest(S, R); algorithm 1 is the same, stopped at
 /// the first test that fails). In plain floating point. All together they do not suffice: see
-/// docs/self_collision_cones.md, "What the published conditions miss".
+/// docs/how_it_works/self_collision_cones.md, "What the published conditions miss".
 template <int kSteps>
 EnhancedDualConeResult test_enhanced_dual_cone(const Bvh& bvh, SurfacePieces& pieces, const SurfaceCones<kSteps>& cones,
                                                const std::array<std::span<const Vec3>, kSteps>& poses, Index node);

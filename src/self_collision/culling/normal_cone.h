@@ -16,7 +16,7 @@ namespace selvage {
 /// @param contour  which contour edges are compared
 ///
 /// Source: Volino, Magnenat-Thalmann 1994 (the test); Provot 1997 (normals bounded by cones); Tang and others 2009
-/// (over a step). docs/self_collision_cones.md, theorem 1, adds what is needed for several contours.
+/// (over a step). docs/how_it_works/self_collision_cones.md, theorem 1, adds what is needed for several contours.
 template <int kSteps>
 bool passes_normal_cone_test(const Bvh& bvh, const SurfaceCones<kSteps>& cones, const PlanarEmbeddingTest<kSteps>& test,
                              Index node, ContourTest contour,

@@ -10,8 +10,8 @@ namespace selvage {
 /// The planar embedding test: decides whether the projection of a piece of surface on a plane is certainly one-to-one.
 /// Then no two of its triangles meet but in the vertices and edges that they share. It is the surface normal test and
 /// the contour test of the normal cone test (NCT), with the condition that several contours need
-/// (docs/self_collision_cones.md, theorem 1). With two poses the projection on one plane is one-to-one at all times
-/// while vertices move on straight lines from one pose to the other.
+/// (docs/how_it_works/self_collision_cones.md, theorem 1). With two poses the projection on one plane is one-to-one at
+/// all times while vertices move on straight lines from one pose to the other.
 ///
 /// The test is sufficient, and all rounding is bounded: what cannot be decided is "no".
 ///

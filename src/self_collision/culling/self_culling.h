@@ -6,9 +6,9 @@
 
 namespace selvage {
 
-/// Finds the comparisons of a surface with itself that a method leaves out (docs/self_collision_cones.md); none for
-/// kBvh. One file a method: normal_cone.h, dual_cone.h, enhanced_dual_cone.h, planar_embedding.h (`auto`). In one pose
-/// or over a step; O(n), parallel; the same for any number of threads.
+/// Finds the comparisons of a surface with itself that a method leaves out (docs/how_it_works/self_collision_cones.md);
+/// none for kBvh. One file a method: normal_cone.h, dual_cone.h, enhanced_dual_cone.h, planar_embedding.h (`auto`). In
+/// one pose or over a step; O(n), parallel; the same for any number of threads.
 ///
 /// @param test     memory to use again for every pose
 /// @param rounded  positions of the step in a frame, see PlanarEmbeddingTest; for kAuto
