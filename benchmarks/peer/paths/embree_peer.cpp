@@ -74,7 +74,7 @@ EmbreePeer::State::State(const TetMesh& m, PeerSettings settings)
       tet_scene(device, settings.tree, EmbreeScene::Kind::kBoxes) {
   for (Index t = 0; t < m.element_count(); ++t) {
     tets[t].vertices = m.elements()[t];
-    for (int i = 0; i < 4; ++i) tets[t].neighbours[i] = m.neighbours()[t][i].code;
+    for (int i = 0; i < 4; ++i) tets[t].across[i] = m.neighbours()[t][i].code;
   }
   for (Index f = 0; f < m.boundary_face_count(); ++f) faces[f] = {m.boundary_faces()[f], m.boundary_owners()[f].code};
   list_rings();

@@ -122,7 +122,7 @@ using TetMesh = SimplexMesh<3>;
 using PlanarMesh = SimplexMesh<2>;
 
 template <>
-inline SimplexMesh<3>::Face SimplexMesh<3>::face_of(const Element& e, int face) {
+inline VertexTuple<3> SimplexMesh<3>::face_of(const Element& e, int face) {
   switch (face) {
     case 0:
       return {e[1], e[2], e[3]};
@@ -136,7 +136,7 @@ inline SimplexMesh<3>::Face SimplexMesh<3>::face_of(const Element& e, int face) 
 }
 
 template <>
-inline SimplexMesh<2>::Face SimplexMesh<2>::face_of(const Element& e, int face) {
+inline VertexTuple<2> SimplexMesh<2>::face_of(const Element& e, int face) {
   switch (face) {
     case 0:
       return {e[1], e[2]};
