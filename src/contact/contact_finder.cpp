@@ -60,8 +60,10 @@ struct ContactFinder::State {
   std::vector<Index> inside;  ///< features of the search that penetrate at the start of the step
   std::vector<std::uint8_t> is_inside;
   std::vector<Index> inside_vertices, inside_edges;
-  InvertedVertices inverted;  ///< at the start of the step
-  std::vector<Index> pieces;  ///< connected component of each element; where whole tangles wait
+  std::vector<Index> tangled_vertices;   ///< likewise: see mark_tangled()
+  std::vector<std::uint8_t> is_tangled;  ///< (n_vertices)
+  InvertedVertices inverted;             ///< at the start of the step
+  std::vector<Index> pieces;             ///< connected component of each element; where whole tangles wait
   ContactStatistics statistics;
   bool has_begun = false;  ///< any step
 
@@ -87,7 +89,10 @@ struct ContactFinder::State {
   std::vector<std::uint8_t> leave_out_waiting(std::vector<PenetratingPoint>& points);
   void append_ways_out(std::span<const Vec3> positions, std::vector<PenetratingPoint>& points,
                        std::vector<Contact>& contacts);
-  void append_impacts_of_step(std::span<const Vec3> positions, std::vector<Contact>& contacts);
+  void mark_tangled();
+  StepImpacts find_impacts(std::span<const Vec3> positions);
+  StepImpacts find_untangled_impacts(std::span<const Vec3> positions);
+  void append_contacts(const StepImpacts& found, std::span<const Vec3> positions, std::vector<Contact>& contacts) const;
 };
 
 ContactFinder::State::State(const TetMesh& m, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
@@ -106,6 +111,7 @@ ContactFinder::State::State(const TetMesh& m, std::span<const Vec3> rest_positio
                    !options.interior_points);
   positions_t0.assign(positions.begin(), positions.end());
   if (search) is_inside.resize(search->feature_count());
+  is_tangled.resize(mesh.vertex_count());
   if (splits() && options.wait_for_inverted) pieces = mesh.element_components();
 }
 
@@ -138,6 +144,7 @@ void ContactFinder::State::split_features() {
       }
     }
   });
+  mark_tangled();
   statistics.penetrating_vertices = std::ssize(inside_vertices);
   statistics.penetrating_edges = std::ssize(inside_edges);
 }
@@ -248,13 +255,15 @@ void ContactFinder::State::append_ways_out(std::span<const Vec3> positions, std:
   }
 }
 
-void ContactFinder::State::append_impacts_of_step(std::span<const Vec3> positions, std::vector<Contact>& contacts) {
+StepImpacts ContactFinder::State::find_impacts(std::span<const Vec3> positions) {
   if (impacts) {
     impacts->update(positions_t0, positions);
   } else {
     impacts.emplace(surface, positions_t0, positions);
   }
-  ContinuousPairs pairs = impacts->find_pairs(&statistics.continuous);
+  StepImpacts found;
+  ContinuousPairs& pairs = found.pairs;
+  pairs = impacts->find_pairs(&statistics.continuous);
   if (splits()) {
     const auto inside_of = [](std::span<const Index> all, Index i) {
       return std::binary_search(all.begin(), all.end(), i);
@@ -265,14 +274,59 @@ void ContactFinder::State::append_impacts_of_step(std::span<const Vec3> position
     });
   }
   if (!options.detect_edges) pairs.edge_edge.clear();
+  found.face_times = impacts->find_impact_times(pairs.vertex_face);
+  found.edge_times = impacts->find_impact_times(pairs.edge_edge);
+  return found;
+}
+
+/// Marks vertices where bodies penetrate: what is inside, and faces that meet.
+void ContactFinder::State::mark_tangled() {
+  for (const Index v : tangled_vertices) is_tangled[v] = 0;
+  tangled_vertices.clear();
+  const auto mark = [&](std::span<const Index> vertices) {
+    for (const Index v : vertices)
+      if (!std::exchange(is_tangled[v], 1)) tangled_vertices.push_back(v);
+  };
+  mark(inside_vertices);
+  for (const Index e : inside_edges) mark(surface.edges()[e]);
+  for (const TrianglePair& pair : search->crossings()) {
+    mark(surface.triangles()[pair.first]);
+    mark(surface.triangles()[pair.second]);
+  }
+}
+
+/// Those at no vertex where bodies penetrate, and of no inverted element.
+StepImpacts ContactFinder::State::find_untangled_impacts(std::span<const Vec3> positions) {
+  StepImpacts all = find_impacts(positions);
+  if (inverted.empty() && tangled_vertices.empty()) return all;
+  const auto is_left_out = [&](std::span<const Index> vertices) {
+    return std::any_of(vertices.begin(), vertices.end(), [&](Index v) { return is_tangled[v] || inverted.has(v); });
+  };
+  StepImpacts kept;
+  for (std::size_t i = 0; i < all.pairs.vertex_face.size(); ++i) {
+    const auto& [vertex, face] = all.pairs.vertex_face[i];
+    if (is_left_out({&vertex, 1}) || is_left_out(surface.triangles()[face])) continue;
+    kept.pairs.vertex_face.push_back(all.pairs.vertex_face[i]);
+    kept.face_times.push_back(all.face_times[i]);
+  }
+  for (std::size_t i = 0; i < all.pairs.edge_edge.size(); ++i) {
+    const auto& [first, second] = all.pairs.edge_edge[i];
+    if (is_left_out(surface.edges()[first]) || is_left_out(surface.edges()[second])) continue;
+    kept.pairs.edge_edge.push_back(all.pairs.edge_edge[i]);
+    kept.edge_times.push_back(all.edge_times[i]);
+  }
+  return kept;
+}
+
+void ContactFinder::State::append_contacts(const StepImpacts& found, std::span<const Vec3> positions,
+                                           std::vector<Contact>& contacts) const {
   const std::size_t first = contacts.size();
   const SurfaceStep step{surface, positions_t0, positions};
-  const std::vector<double> face_times = impacts->find_impact_times(pairs.vertex_face);
-  append_impacts<VertexFacePair>(pairs.vertex_face, face_times, first_impacts(pairs.vertex_face, face_times), contacts,
+  const auto& [vertex_face, edge_edge] = found.pairs;
+  append_impacts<VertexFacePair>(vertex_face, found.face_times, first_impacts(vertex_face, found.face_times), contacts,
                                  [&](auto pair, double time) { return vertex_face_contact(step, pair, time); });
-  const std::vector<double> edge_times = impacts->find_impact_times(pairs.edge_edge);
-  append_impacts<EdgeEdgePair>(pairs.edge_edge, edge_times,
-                               first_impacts(pairs.edge_edge, edge_times, surface.edge_count()), contacts,
+  append_impacts<EdgeEdgePair>(edge_edge, found.edge_times,
+                               first_impacts(edge_edge, found.edge_times, surface.edge_count()), contacts,
                                [&](auto pair, double time) { return edge_edge_contact(step, pair, time); });
   const auto waits = [&](const Contact& c) {
     return inverted.has_any(std::span(c.vertices).first(c.count), c.weights);
@@ -285,7 +339,7 @@ void ContactFinder::State::find_contacts(std::span<const Vec3> positions, std::v
   check_positions<3>(positions, mesh.vertex_count());
   contacts.clear();
   if (uses_dcd()) append_paths(positions, contacts);
-  if (uses_ccd()) timed(statistics.seconds_ccd, [&] { append_impacts_of_step(positions, contacts); });
+  if (uses_ccd()) timed(statistics.seconds_ccd, [&] { append_contacts(find_impacts(positions), positions, contacts); });
   for (const Contact& contact : contacts) ++statistics.contacts[static_cast<int>(contact.kind)];
 }
 
@@ -302,6 +356,23 @@ void ContactFinder::begin_step(std::span<const Vec3> positions_t0) {
 
 void ContactFinder::find_contacts(std::span<const Vec3> positions_t1, std::vector<Contact>& contacts) {
   state_->find_contacts(positions_t1, contacts);
+}
+
+StepImpacts ContactFinder::find_impacts(std::span<const Vec3> positions_t1) {
+  if (!state_->has_begun) throw Error("step", "has not begun", "call begin_step() first");
+  check_positions<3>(positions_t1, state_->mesh.vertex_count());
+  StepImpacts found;
+  if (state_->uses_ccd())
+    timed(state_->statistics.seconds_ccd, [&] { found = state_->find_untangled_impacts(positions_t1); });
+  return found;
+}
+
+void ContactFinder::append_contacts(const StepImpacts& impacts, std::span<const Vec3> positions_t1,
+                                    std::vector<Contact>& contacts) {
+  const std::size_t first = contacts.size();
+  state_->append_contacts(impacts, positions_t1, contacts);
+  for (std::size_t i = first; i < contacts.size(); ++i)
+    ++state_->statistics.contacts[static_cast<int>(contacts[i].kind)];
 }
 
 const ContactStatistics& ContactFinder::statistics() const {

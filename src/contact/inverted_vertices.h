@@ -2,6 +2,8 @@
 
 #include "selvage/mesh/simplex_mesh.h"
 
+#include <algorithm>
+
 namespace selvage {
 
 /// Vertices of inverted elements, at which the surface is no border of the body: ContactOptions::wait_for_inverted.
@@ -15,6 +17,11 @@ class InvertedVertices {
 
   bool empty() const { return vertices_.empty(); }
 
+  bool has(Index vertex) const;
+  bool has_any(std::span<const Index> vertices) const {
+    return std::any_of(vertices.begin(), vertices.end(), [&](Index v) { return has(v); });
+  }
+
   /// Whether any of the vertices whose weight is not 0 is one. A point on an edge of a face does not depend on the
   /// face's third vertex.
   template <typename Weights>
@@ -26,8 +33,6 @@ class InvertedVertices {
   }
 
  private:
-  bool has(Index vertex) const;
-
   std::vector<Index> vertices_;  ///< ascending
 };
 

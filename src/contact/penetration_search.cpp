@@ -87,12 +87,12 @@ void PenetrationSearch::suspect_around(Index vertex) {
 void PenetrationSearch::suspect_crossings(PenetrationCounters& counters) {
   if (!collisions_placed_) collisions_.update(positions_);
   collisions_placed_ = true;
-  const std::vector<TrianglePair> crossings = collisions_.find_pairs();
-  for (const TrianglePair& pair : crossings) {
+  crossings_ = collisions_.find_pairs();
+  for (const TrianglePair& pair : crossings_) {
     suspect(pair.first);
     suspect(pair.second);
   }
-  counters.crossings += std::ssize(crossings);
+  counters.crossings += std::ssize(crossings_);
 }
 
 /// Faces at inverted elements, and at vertices whose elements may overlap each other.

@@ -55,6 +55,9 @@ class PenetrationSearch {
   /// The same for features in ascending order.
   std::vector<Penetration> find(std::span<const Index> features, PenetrationCounters& counters) const;
 
+  /// Pairs of boundary faces that meet, in the pose of the last find_all().
+  std::span<const TrianglePair> crossings() const { return crossings_; }
+
   /// Inner vertices, and elements by their centroids, with each element that holds them and shares no vertex with them;
   /// ascending. To be called after find_all() in the same pose.
   struct Interior {
@@ -90,6 +93,7 @@ class PenetrationSearch {
   BoundaryPathFinder<3> paths_;
   SelfCollisionFinder collisions_;
   bool collisions_placed_ = true;
+  std::vector<TrianglePair> crossings_;
   Flags is_suspect_;             ///< per face
   std::vector<Index> suspects_;  ///< those faces
 };

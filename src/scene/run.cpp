@@ -88,6 +88,8 @@ void add_step(const StepStatistics& step, FrameStatistics& row) {
   row.traversals += contact.paths.traversals;
   row.path_elements += contact.paths.elements_visited;
   row.constraints += step.constraints;
+  row.held_back_vertices += step.held_back_vertices;
+  row.impacts_left += step.impacts_left;
   row.seconds_material += step.seconds_material;
   row.seconds_projection += step.seconds_projection;
   row.seconds_dcd += contact.seconds_refit + contact.seconds_split + contact.seconds_dcd;

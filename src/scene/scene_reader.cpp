@@ -200,6 +200,7 @@ void read_contact(const JsonValue& value, SceneDescription& scene) {
   if (const auto v = object.find("mode")) contact.mode = static_cast<DetectionMode>(v->choice(kModes));
   if (const auto v = object.find("rule")) contact.rule = static_cast<ClosestPointRule>(v->choice(kRules));
   if (const auto v = object.find("edges")) contact.detect_edges = v->boolean();
+  if (const auto v = object.find("hold_back")) contact.hold_back = v->boolean();
   if (const auto v = object.find("interior_points")) contact.interior_points = v->boolean();
   if (const auto v = object.find("static_friction"))
     scene.options.friction.static_coefficient = v->number(kNotNegative);

@@ -31,6 +31,8 @@ constexpr std::array kColumns{
     Column{"path_queries", &Row::path_queries},
     Column{"blocked_paths", &Row::blocked_paths},
     Column{"constraints", &Row::constraints},
+    Column{"held_back_vertices", &Row::held_back_vertices},
+    Column{"impacts_left", &Row::impacts_left},
     Column{"penetrating_vertices", &Row::penetrating_vertices},
     Column{"deepest_penetration", &Row::deepest_penetration},
     Column{"inverted_elements", &Row::inverted_elements},

@@ -98,6 +98,7 @@ TEST(TimeStep, FindsContactsFromTheStartOfTheStepToWhereVerticesAre) {
   for (Index v = model.bodies[1].first_vertex; v < model.mesh.vertex_count(); ++v)
     state.velocities[v] = Vec3(0, 0, -6);  // 0.02 m, where the gap is half of that
   StepOptions options;
+  options.contact.hold_back = false;
   DustSolver solver(model, state, {}, {}, options);
   solver.step(state);
   EXPECT_FALSE(solver.time_step().contacts().empty());

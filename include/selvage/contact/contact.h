@@ -75,6 +75,9 @@ struct ContactOptions {
   /// points this also leaves out points whose way out ends at such a vertex, and with each such point all of the tangle
   /// in which a connected piece meets itself.
   bool wait_for_inverted = false;
+  /// For kHybrid without interior_points: after the solver, what still meets is projected again, and what then still
+  /// meets, or inverts an element, is held back. So what is free at the start of a step is free at its end.
+  bool hold_back = true;
   bool cull_infeasible_regions = true;  ///< SPB section 3.6; changes no contact
 };
 

@@ -42,6 +42,12 @@ struct ContactStatistics {
   double seconds_ccd = 0;    ///< [s] of CCD with times of impact
 };
 
+/// Pairs that meet on the straight way from the start of a step to its end.
+struct StepImpacts {
+  ContinuousPairs pairs;
+  std::vector<double> face_times, edge_times;  ///< of the pairs: see ContinuousCollisionFinder::find_impact_times()
+};
+
 /// Contacts of a tetrahedral mesh with itself during a step: of its objects with one another and each with itself.
 ///
 /// A step is begin_step() with the positions that it starts from, then find_contacts() with those that the solver of
@@ -74,6 +80,16 @@ class ContactFinder {
   /// are the first impact of one of the two. Parallel; the same bits for any number of threads.
   /// @throws Error  also before the first begin_step()
   void find_contacts(std::span<const Vec3> positions_t1, std::vector<Contact>& contacts);
+
+  /// All pairs of features that meet on the way to the given positions, for the modes with CCD; for kHybrid but where
+  /// bodies penetrate at the start of the step (no vertex of the pair may be inside, or belong to an edge that is, or
+  /// to a face that meets another), and of vertices of inverted elements none where ContactOptions::wait_for_inverted.
+  /// Exact; parallel; the same for any number of threads.
+  /// @throws Error  as find_contacts()
+  StepImpacts find_impacts(std::span<const Vec3> positions_t1);
+
+  /// Appends contacts of the first impacts among those of find_impacts() with the same positions, in its order.
+  void append_contacts(const StepImpacts& impacts, std::span<const Vec3> positions_t1, std::vector<Contact>& contacts);
 
   /// Of the last step.
   const ContactStatistics& statistics() const;

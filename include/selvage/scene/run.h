@@ -17,6 +17,8 @@ struct FrameStatistics {
   std::int64_t vertex_paths = 0, edge_paths = 0, centroid_paths = 0, vertex_faces = 0, edge_edges = 0;
   std::int64_t collider_contacts = 0;
   std::int64_t path_queries = 0, blocked_paths = 0;  ///< points asked for their way out, and those without one
+  std::int64_t held_back_vertices = 0;               ///< see StepStatistics, over all steps
+  std::int64_t impacts_left = 0;                     ///< likewise
   std::int64_t constraints = 0;                      ///< of the material, over all iterations
 
   // At the end of the frame.

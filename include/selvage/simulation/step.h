@@ -21,10 +21,15 @@ struct StepOptions {
 /// Counts and times of one step. Shares of the step are `seconds_material`, the seconds of `contact`
 /// and `seconds_projection`; the rest of `seconds` goes to prediction and velocities.
 struct StepStatistics {
-  std::int64_t constraints = 0;        ///< material constraints solved, over all iterations
-  std::int64_t collider_contacts = 0;  ///< times that a vertex was pushed out of a collider
+  std::int64_t constraints = 0;         ///< material constraints solved, over all iterations
+  std::int64_t collider_contacts = 0;   ///< times that a vertex was pushed out of a collider
+  std::int64_t missed_rounds = 0;       ///< in which contacts were found after the solver, and projected
+  std::int64_t hold_back_rounds = 0;    ///< in which vertices were held back: ContactOptions::hold_back
+  std::int64_t held_back_vertices = 0;  ///< that end the step elsewhere than the solver left them
+  std::int64_t impacts_left = 0;        ///< pairs that meet in the end all the same
   ContactStatistics contact;
   double seconds_material = 0;    ///< [s] of the material solve
+  double seconds_hold_back = 0;   ///< [s] of holding back; of this the search for what meets is also in `contact`
   double seconds_projection = 0;  ///< [s] of projecting contacts, colliders and friction
   double seconds = 0;             ///< [s] of all
 

@@ -1,6 +1,7 @@
 #include "simulation/time_step/time_step.h"
 
 #include "core/parallel.h"
+#include "core/timed.h"
 #include "selvage/core/error.h"
 #include "simulation/time_step/check_input.h"
 
@@ -45,6 +46,7 @@ TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle>
   contact.wait_for_inverted = contact.mode != DetectionMode::kCcd;
   contact_finder_.emplace(model.mesh, model.rest_positions, initial.positions, bodies_of_vertices(model), contact);
   candidate_.resize(vertex_count());
+  if (contact.hold_back && contact.mode == DetectionMode::kHybrid && !contact.interior_points) gate_.emplace(model);
 }
 
 void TimeStep::begin(const State& state, std::span<const Vec3> external_forces) {
@@ -115,7 +117,57 @@ void TimeStep::find_contacts() {
   statistics_.contact = contact_finder_->statistics();
 }
 
+bool TimeStep::find_missed_contacts() {
+  if (!gate_) return false;
+  check_finite();
+  parallel_for(vertex_count(), kGrain, [&](std::int64_t v) { candidate_[v] = position(static_cast<Index>(v)); });
+  const StepImpacts impacts = contact_finder_->find_impacts(candidate_);
+  no_impacts_ = impacts.pairs.empty();
+  if (no_impacts_) return false;
+  contact_finder_->append_contacts(impacts, candidate_, contacts_);
+  ++statistics_.missed_rounds;
+  return true;
+}
+
+/// Pinned vertices, those that handles hold, and those that colliders have pushed in this step.
+Carriers TimeStep::carriers() const {
+  Carriers carriers{{RigidTransform()}, std::vector<Index>(vertex_count(), kNone)};
+  const auto add = [&](const Motion& motion) {
+    const RigidTransform from = motion.at(step_.start_time), to = motion.at(step_.end_time);
+    const Eigen::Matrix3d rotation = to.rotation * from.rotation.transpose();
+    carriers.motions.push_back({rotation, to.translation - rotation * from.translation});
+    return static_cast<Index>(carriers.motions.size()) - 1;
+  };
+  for (Index v = 0; v < vertex_count(); ++v)
+    if (!(model_.inverse_masses[v] > 0)) carriers.of_vertex[v] = 0;
+  for (const Handle& handle : handles_) {
+    if (!is_held(handle)) continue;
+    const Index carrier = add(handle.motion);
+    for (const Index v : handle.vertices) carriers.of_vertex[v] = carrier;
+  }
+  for (std::size_t c = 0; c < colliders_.size(); ++c) {
+    const Index carrier = add(colliders_[c].motion);
+    for (Index v = 0; v < vertex_count(); ++v)
+      if (collider_states_[v * colliders_.size() + c].step == step_.number && carriers.of_vertex[v] == kNone)
+        carriers.of_vertex[v] = carrier;
+  }
+  return carriers;
+}
+
+void TimeStep::hold_back() {
+  if (!gate_) return;
+  timed(statistics_.seconds_hold_back, [&] {
+    if (!gate_->is_violated(*contact_finder_, step_, vertices_, no_impacts_)) return;
+    const GateStatistics held = gate_->hold_back(*contact_finder_, step_, carriers(), vertices_);
+    statistics_.hold_back_rounds = held.rounds;
+    statistics_.held_back_vertices = held.held_back_vertices;
+    statistics_.impacts_left = held.impacts_left;
+  });
+  statistics_.contact = contact_finder_->statistics();
+}
+
 void TimeStep::project_colliders() {
+  no_impacts_ = false;
   const auto surface = may_start_inside_ ? std::span<const double>(max_corrections_) : std::span<const double>();
   collider_contacts_.add(selvage::project_colliders(colliders_, step_, surface, ejected_, collider_states_, vertices_));
   statistics_.collider_contacts = collider_contacts_.count;
@@ -151,6 +203,7 @@ Vec3 TimeStep::depenetration_of(Index v) const {
 
 void TimeStep::finish(State& state) {
   check_finite();
+  hold_back();
   parallel_for(vertex_count(), kGrain, [&](std::int64_t i) {
     const auto v = static_cast<Index>(i);
     Vec3 velocity = (position(v) - state.positions[v] - depenetration_of(v)) / options_.time_step;

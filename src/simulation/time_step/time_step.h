@@ -5,6 +5,7 @@
 #include "selvage/simulation/step.h"
 #include "simulation/colliders/project_colliders.h"
 #include "simulation/step.h"
+#include "simulation/time_step/step_gate.h"
 
 #include <optional>
 
@@ -15,7 +16,9 @@ namespace selvage {
 ///     begin(state, forces)  predicts where vertices go by inertia and forces, and places what handles hold
 ///     find_contacts()       detects contacts on the way from the start of the step to the vertices' present positions
 ///     project_colliders()   sets vertices that are inside colliders on their surface; as often as the solver iterates
-///     finish(state)         takes positions and velocities over into the state
+///     find_missed_contacts()  adds contacts that the solver's last moves have made; again after each projection
+///     finish(state)         holds back what still meets or inverts an element, and takes positions and velocities over
+///     into the state
 ///
 /// In between the solver moves vertices() for the material and for contacts(). The same bits for any number of threads.
 class TimeStep {
@@ -32,6 +35,10 @@ class TimeStep {
 
   /// @throws Error  naming the first vertex that is not finite; so does finish()
   void find_contacts();
+
+  /// Adds to contacts() what still meets on the way to the vertices' present positions. False: nothing does, or
+  /// ContactOptions::hold_back is off.
+  bool find_missed_contacts();
 
   /// Friction included. Adds to statistics().collider_contacts.
   void project_colliders();
@@ -64,6 +71,8 @@ class TimeStep {
   bool is_released(const Handle& handle) const;
   Vec3 depenetration_of(Index v) const;
   void check_finite() const;
+  Carriers carriers() const;
+  void hold_back();
 
   const Model& model_;
   StepOptions options_;
@@ -71,6 +80,8 @@ class TimeStep {
   std::vector<std::vector<Vec3>> handle_positions_;  ///< of the vertices of each at time 0
   std::vector<PreparedCollider> colliders_;
   std::optional<ContactFinder> contact_finder_;  ///< none where the mode is kOff
+  std::optional<StepGate> gate_;                 ///< none where nothing is held back
+  bool no_impacts_ = false;                      ///< on the way to where vertices are now
   std::vector<double> max_corrections_;
 
   Step step_{};

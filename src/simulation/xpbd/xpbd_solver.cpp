@@ -9,6 +9,13 @@
 
 namespace selvage {
 
+namespace {
+
+/// Rounds in which contacts that the projection of others makes are projected too, before vertices are held back.
+constexpr int kMissedRounds = 3;
+
+}  // namespace
+
 struct XpbdSolver::Parts {
   XpbdOptions options;
   TimeStep time_step;
@@ -71,6 +78,10 @@ struct XpbdSolver::Parts {
     project();
     for (int iteration = free_iterations; iteration < options.iterations; ++iteration) {
       iterate(iteration, iteration + 1);
+      project();
+    }
+    for (int round = 0; round < kMissedRounds && time_step.find_missed_contacts(); ++round) {
+      friction_states.resize(time_step.contacts().size());
       project();
     }
     time_step.finish(state);

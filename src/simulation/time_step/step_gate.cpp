@@ -1,0 +1,228 @@
+#include "simulation/time_step/step_gate.h"
+
+#include "core/parallel.h"
+#include "elasticity/deformation_gradient.h"
+
+#include <algorithm>
+#include <map>
+
+namespace selvage {
+
+namespace {
+
+/// Parts of its rest volume: below the first an element may lose at most half of its volume in a step, below the second
+/// nothing.
+constexpr double kThinVolume = 0.02, kMinVolume = 0.002;
+/// Part of its relative motion that a zone with a collapsing element keeps in the first rounds.
+constexpr double kCollapseShare = 0.6;
+/// Rounds in which a zone's motion is scaled by its first impact; then by kLaterShare; then nothing but its base motion
+/// is left; then nothing at all.
+constexpr int kImpactRounds = 2, kScaledRounds = 4, kBaseRounds = 7, kMaxRounds = 40;
+/// Rounding of positions against sizes of elements: farther away than their ratio the sign of a volume means nothing.
+constexpr double kRounding = 0x1p-40;
+constexpr double kImpactShare = 0.9, kLaterShare = 0.25;
+
+Vec3 position(const StepVertex& vertex) {
+  return Eigen::Map<const Eigen::Vector3d>(vertex.position);
+}
+
+/// x goes to x + linear * (x - centre) + shift.
+struct BaseMotion {
+  Eigen::Matrix3d linear = Eigen::Matrix3d::Zero();
+  Vec3 centre = Vec3::Zero(), shift = Vec3::Zero();
+
+  Vec3 operator()(const Vec3& x) const { return x + linear * (x - centre) + shift; }
+};
+
+BaseMotion base_of(const RigidTransform& carrier) {
+  return {carrier.rotation - Eigen::Matrix3d::Identity(), Vec3::Zero(), carrier.translation};
+}
+
+Eigen::Matrix3d cross_matrix(const Vec3& w) {
+  Eigen::Matrix3d m;
+  m << 0, -w[2], w[1], w[2], 0, -w[0], -w[1], w[0], 0;
+  return m;
+}
+
+}  // namespace
+
+/// Sums over the vertices of a zone.
+struct StepGate::Zone {
+  Index carrier = kNone;  ///< the least
+  std::vector<Index> vertices;
+
+  /// The rigid displacement with the zone's momentum and angular momentum.
+  BaseMotion free_motion(const Model& model, const Step& step, std::span<const Vec3> targets) const {
+    double mass = 0;
+    Vec3 centre = Vec3::Zero(), shift = Vec3::Zero();
+    for (const Index v : vertices) {
+      const double m = 1 / model.inverse_masses[v];
+      mass += m;
+      centre += m * step.positions[v];
+      shift += m * (targets[v] - step.positions[v]);
+    }
+    centre /= mass;
+    shift /= mass;
+    Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+    Vec3 momentum = Vec3::Zero();
+    for (const Index v : vertices) {
+      const double m = 1 / model.inverse_masses[v];
+      const Vec3 arm = step.positions[v] - centre;
+      inertia += m * (arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose());
+      momentum += m * arm.cross(targets[v] - step.positions[v]);
+    }
+    // Vertices nearly on a line do not say how fast they turn about it.
+    constexpr double kMinRoundness = 1e-6;
+    const double mean = inertia.trace() / 3;
+    if (!(inertia.determinant() > kMinRoundness * mean * mean * mean)) return {Eigen::Matrix3d::Zero(), centre, shift};
+    return {cross_matrix(inertia.ldlt().solve(momentum)), centre, shift};
+  }
+};
+
+StepGate::StepGate(const Model& model) : model_(model) {
+  rest_volumes_.reserve(model.mesh.element_count());
+  for (const auto& element : model.mesh.elements())
+    rest_volumes_.push_back(element_volume(element, model.rest_positions));
+  const auto count = static_cast<std::size_t>(model.mesh.vertex_count());
+  candidate_.resize(count);
+  parents_.assign(count, kNone);
+  shares_.assign(count, 1);
+  times_.assign(count, 1);
+}
+
+bool StepGate::is_violated(ContactFinder& finder, const Step& step, std::span<const StepVertex> vertices,
+                           bool impacts_known) {
+  find_collapsing_elements(step, vertices);
+  if (impacts_known) {
+    impacts_ = {};
+  } else {
+    find_impacts(finder, vertices);
+  }
+  return has_violations();
+}
+
+void StepGate::find_impacts(ContactFinder& finder, std::span<const StepVertex> vertices) {
+  parallel_for(std::ssize(vertices), kGrain, [&](std::int64_t v) { candidate_[v] = position(vertices[v]); });
+  impacts_ = finder.find_impacts(candidate_);
+}
+
+void StepGate::find_collapsing_elements(const Step& step, std::span<const StepVertex> vertices) {
+  const auto elements = model_.mesh.elements();
+  struct Found {
+    std::vector<Index> elements;
+    void add(const Found& other) { elements.insert(elements.end(), other.elements.begin(), other.elements.end()); }
+  };
+  Found found =
+      parallel_reduce<Found>(std::ssize(elements), kGrain, [&](std::int64_t first, std::int64_t last, Found& result) {
+        for (std::int64_t e = first; e < last; ++e) {
+          const auto& element = elements[e];
+          const Vec3 origin = position(vertices[element[0]]);
+          const Vec3 a = position(vertices[element[1]]) - origin, b = position(vertices[element[2]]) - origin,
+                     c = position(vertices[element[3]]) - origin;
+          const double volume = a.cross(b).dot(c) / 6;
+          if (volume >= kThinVolume * rest_volumes_[e]) continue;
+          const double before = element_volume(element, step.positions);
+          const double kept = volume >= kMinVolume * rest_volumes_[e] ? 0.5 : 1;
+          const bool collapses = before > 0 && volume < kept * before;
+          if (collapses && origin.cwiseAbs().maxCoeff() * kRounding < std::cbrt(rest_volumes_[e])) result.elements.push_back(static_cast<Index>(e));
+        }
+      });
+  std::sort(found.elements.begin(), found.elements.end());
+  collapsing_ = std::move(found.elements);
+}
+
+Index StepGate::root_of(Index vertex) {
+  while (parents_[vertex] != vertex) vertex = parents_[vertex] = parents_[parents_[vertex]];
+  return vertex;
+}
+
+/// Puts vertices into one zone, in which something happens at a time.
+void StepGate::join(std::span<const Index> vertices, double time) {
+  for (const Index v : vertices) {
+    if (parents_[v] != kNone) continue;
+    parents_[v] = v;
+    shares_[v] = times_[v] = 1;
+    members_.push_back(v);
+  }
+  const Index root = root_of(vertices.front());
+  for (const Index v : vertices) {
+    const Index other = root_of(v);
+    if (other == root) continue;
+    parents_[other] = root;
+    shares_[root] = std::min(shares_[root], shares_[other]);
+    times_[root] = std::min(times_[root], times_[other]);
+  }
+  times_[root] = std::min(times_[root], time);
+}
+
+void StepGate::join_violations(const TriangleMesh& surface) {
+  for (std::size_t i = 0; i < impacts_.pairs.vertex_face.size(); ++i) {
+    const auto& [vertex, face] = impacts_.pairs.vertex_face[i];
+    const auto& t = surface.triangles()[face];
+    join(std::array{vertex, t[0], t[1], t[2]}, kImpactShare * impacts_.face_times[i]);
+  }
+  for (std::size_t i = 0; i < impacts_.pairs.edge_edge.size(); ++i) {
+    const auto& a = surface.edges()[impacts_.pairs.edge_edge[i].first];
+    const auto& b = surface.edges()[impacts_.pairs.edge_edge[i].second];
+    join(std::array{a[0], a[1], b[0], b[1]}, kImpactShare * impacts_.edge_times[i]);
+  }
+  for (const Index e : collapsing_) join(model_.mesh.elements()[e], kCollapseShare);
+}
+
+void StepGate::scale_zones(int round) {
+  for (const Index v : members_) {
+    if (parents_[v] != v || times_[v] == 1) continue;
+    shares_[v] *= round < kImpactRounds ? std::min(times_[v], kImpactShare) : round < kScaledRounds ? kLaterShare : 0;
+    if (round >= kBaseRounds) shares_[v] = -1;
+    times_[v] = 1;
+  }
+}
+
+void StepGate::move_zones(const Step& step, const Carriers& carriers, std::span<StepVertex> vertices) {
+  std::map<Index, Zone> zones;
+  for (const Index v : members_) {
+    Zone& zone = zones[root_of(v)];
+    zone.vertices.push_back(v);
+    const Index carrier = carriers.of_vertex[v];
+    if (carrier != kNone && (zone.carrier == kNone || carrier < zone.carrier)) zone.carrier = carrier;
+  }
+  for (const auto& [root, zone] : zones) {
+    const bool stands = shares_[root] < 0;
+    const double share = std::max(shares_[root], 0.0);
+    BaseMotion base;
+    if (zone.carrier != kNone) {
+      base = base_of(carriers.motions[zone.carrier]);
+    } else if (!stands) {
+      base = zone.free_motion(model_, step, targets_);
+    }
+    for (const Index v : zone.vertices) {
+      if (!(vertices[v].inverse_mass > 0)) continue;
+      const Vec3 from = base(step.positions[v]);
+      const Vec3 to = from + share * (targets_[v] - from);
+      for (int i = 0; i < 3; ++i) vertices[v].position[i] = to[i];
+    }
+  }
+}
+
+GateStatistics StepGate::hold_back(ContactFinder& finder, const Step& step, const Carriers& carriers,
+                                   std::span<StepVertex> vertices) {
+  GateStatistics statistics;
+  targets_.resize(vertices.size());
+  parallel_for(std::ssize(vertices), kGrain, [&](std::int64_t v) { targets_[v] = position(vertices[v]); });
+  for (; has_violations() && statistics.rounds < kMaxRounds; ++statistics.rounds) {
+    join_violations(finder.surface());
+    scale_zones(static_cast<int>(statistics.rounds));
+    move_zones(step, carriers, vertices);
+    find_collapsing_elements(step, vertices);
+    find_impacts(finder, vertices);
+  }
+  statistics.impacts_left = std::ssize(impacts_.pairs.vertex_face) + std::ssize(impacts_.pairs.edge_edge);
+  for (const Index v : members_) {
+    statistics.held_back_vertices += position(vertices[v]) != targets_[v];
+    parents_[v] = kNone;
+  }
+  members_.clear();
+  return statistics;
+}
+
+}  // namespace selvage

@@ -1,0 +1,78 @@
+#pragma once
+
+#include "selvage/contact/contact_finder.h"
+#include "selvage/simulation/model.h"
+#include "selvage/simulation/motion.h"
+#include "simulation/step.h"
+#include "simulation/step_vertex.h"
+
+namespace selvage {
+
+/// What moves vertices whatever bodies do: for each vertex the motion of the handle that holds it or of the collider
+/// that it touches in this step.
+struct Carriers {
+  std::vector<RigidTransform> motions;  ///< from the start of the step to its end
+  std::vector<Index> of_vertex;         ///< (n_vertices) kNone: free
+};
+
+/// Counts of one step.
+struct GateStatistics {
+  std::int64_t rounds = 0;              ///< in which vertices were held back
+  std::int64_t held_back_vertices = 0;  ///< that end the step elsewhere than the solver left them
+  std::int64_t impacts_left = 0;        ///< pairs that still meet when the last round is over
+};
+
+/// Holds vertices back at the end of a step, so that nothing that was free at its start meets on the straight way to
+/// its end, and no element is inverted that was not. Where a step ends so by itself, nothing is changed.
+///
+/// Primitives that meet, and elements about to be inverted, form zones: those with a common vertex are in one. A zone
+/// has a base motion: that of the handle that holds one of its vertices, or of the collider that one touches; else the
+/// rigid motion that keeps the zone's momentum and angular momentum. The motion of its vertices relative to the base is
+/// scaled down, more from round to round; under the base motion alone, which is affine, nothing in the zone can meet.
+/// Zones that meet others are merged. In the last rounds a zone stands still.
+///
+/// Exact: what meets is decided by ContinuousCollisionFinder. Vertices that penetrate at the start of the step, or
+/// belong to an inverted element, are left to contacts. The same bits for any number of threads.
+///
+/// Sources: Bridson, Fedkiw, Anderson 2002 (rigid impact zones); Harmon et al. 2008, Robust treatment of simultaneous
+/// collisions (zones that slide).
+class StepGate {
+ public:
+  /// @param model  must outlive this
+  explicit StepGate(const Model& model);
+
+  /// Whether an element is about to be inverted, or something meets.
+  /// @param impacts_known  nothing meets: that has been asked since the vertices were last moved
+  bool is_violated(ContactFinder& finder, const Step& step, std::span<const StepVertex> vertices, bool impacts_known);
+
+  /// Moves vertices until is_violated() no longer holds, after it held.
+  GateStatistics hold_back(ContactFinder& finder, const Step& step, const Carriers& carriers,
+                           std::span<StepVertex> vertices);
+
+ private:
+  struct Zone;
+
+  void find_collapsing_elements(const Step& step, std::span<const StepVertex> vertices);
+  void find_impacts(ContactFinder& finder, std::span<const StepVertex> vertices);
+  bool has_violations() const { return !impacts_.pairs.empty() || !collapsing_.empty(); }
+  void join_violations(const TriangleMesh& surface);
+  void join(std::span<const Index> vertices, double time);
+  Index root_of(Index vertex);
+  void scale_zones(int round);
+  void move_zones(const Step& step, const Carriers& carriers, std::span<StepVertex> vertices);
+
+  const Model& model_;
+  std::vector<double> rest_volumes_;  ///< (n_elements) [m^3]
+
+  std::vector<Vec3> candidate_;  ///< (n_vertices) end of the step as it stands
+  StepImpacts impacts_;
+  std::vector<Index> collapsing_;  ///< elements, ascending
+
+  std::vector<Vec3> targets_;   ///< (n_vertices) end of the step as the solver left it
+  std::vector<Index> parents_;  ///< (n_vertices) of the union-find over vertices in zones; kNone: in none
+  std::vector<double> shares_;  ///< (n_vertices) of a root: the part of its zone's relative motion that is kept
+  std::vector<double> times_;   ///< (n_vertices) of a root: the first impact in this round; 1: none
+  std::vector<Index> members_;  ///< vertices in zones
+};
+
+}  // namespace selvage
