@@ -1,6 +1,7 @@
 #pragma once
 
 #include "scene/json_value.h"
+#include "selvage/scene/scene.h"
 #include "selvage/shapes/poses.h"
 #include "selvage/shapes/shapes.h"
 #include "selvage/simulation/model.h"
@@ -82,7 +83,8 @@ struct SceneDescription {
   XpbdOptions options;
   std::vector<BodyDescription> bodies;
   std::vector<ColliderDescription> colliders;
-  std::string canonical;  ///< all that decides a run, as text in one form
+  bool allow_start_outside = false;  ///< see check_start()
+  std::string canonical;             ///< all that decides a run, as text in one form
 };
 
 /// Reads the description of a scene at one of its scales.
@@ -103,5 +105,12 @@ Region read_region(const JsonValue& value);
 Motion read_motion(const JsonValue& value);
 ColliderDescription read_collider(const JsonValue& value, const std::filesystem::path& folder);
 void read_contact(const JsonValue& value, SceneDescription& scene);
+
+/// Refuses a scene in which a body starts outside a container or inside any other collider, by more than rounding of
+/// its place. Vertices that a handle holds may: pins stand in floors.
+///
+/// @param file    name of the scene's file, for errors
+/// @throws Error  one line with the file, the first such body, the collider, and what to do
+void check_start(const Scene& scene, const std::string& file);
 
 }  // namespace selvage

@@ -103,6 +103,8 @@ void read_solver(JsonObject& object, SceneDescription& scene) {
   if (const auto v = object.find("damping")) scene.options.velocity_damping = v->number(kNotNegative);
   if (const auto v = object.find("max_speed")) scene.options.max_speed = v->number(kPositive);
   if (const auto v = object.find("contact")) read_contact(*v, scene);
+  constexpr std::array<std::string_view, 2> kAnswers{"refuse", "allow"};
+  if (const auto v = object.find("start_outside")) scene.allow_start_outside = v->choice(kAnswers) == 1;
 }
 
 /// Replaces the values that a scale names by their places (JSON pointers).
@@ -149,7 +151,7 @@ Json choose_scale(Json document, const std::string& file, std::string_view scale
 
 /// The document without members that do not change a run.
 std::string canonical_text(Json document) {
-  for (const char* key : {"frames", "description", "$schema"}) document.erase(key);
+  for (const char* key : {"frames", "description", "$schema", "start_outside"}) document.erase(key);
   return nlohmann::json(document).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
 }
 

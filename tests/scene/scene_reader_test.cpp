@@ -135,6 +135,7 @@ TEST(SceneReader, NamesThePlaceOfEachErrorAndTheAllowedValues) {
       {"/gravity", "[0, \"down\", 0]", {"gravity[1]", "no number"}},
       {"/damping", "-0.1", {"damping", "from 0"}},
       {"/max_speed", "0", {"max_speed", "above 0"}},
+      {"/start_outside", "\"no\"", {"start_outside", "refuse, allow"}},
       {"/description", "3", {"description", "no text"}},
       {"/colour", "1", {"colour", "not known", "did you mean"}},
       {"/substep", "4", {"substep", "did you mean 'substeps'?"}},
@@ -279,6 +280,50 @@ TEST(Scene, NamesThePlaceOfWhatCannotBeBuilt) {
     for (const std::string& word : wrong.words)
       EXPECT_NE(message.find(word), std::string::npos) << wrong.place << "\nsays: " << message << "\nwithout: " << word;
   }
+}
+
+/// A block of 27 vertices from the origin to (1, 1, 1), pinned at its bottom where asked, and a collider.
+std::string block_beside(const std::string& collider, const std::string& more = "", const std::string& body = "") {
+  return R"({"selvage_scene": 1, "bodies": [{"name": "block", "mesh": {"shape": "box", "size": [1, 1, 1], "cell": 0.5})" +
+         body + R"(}], "colliders": [{"plane": {"point": [0, 0, -9], "normal": [0, 0, 1]}}, )" + collider + "]" + more +
+         "}";
+}
+
+TEST(Scene, RefusesBodiesThatStartOutsideContainersOrInsideSolids) {
+  const std::vector<std::pair<const char*, std::string>> cases{
+      {R"({"box": {"min": [3, 0, 0], "max": [4, 1, 1]}})",
+       R"(27 of 27 vertices start outside colliders[1], a container; a solid box is {"mesh": {"shape": "box"}})"},
+      {R"({"box": {"min": [0, 0, 0.1], "max": [1, 1, 1]}})",
+       "9 of 27 vertices start outside colliders[1], a container"},
+      {R"({"bowl": {"centre": [0.5, 0.5, 1.1], "radius": 1}})",
+       "9 of 27 vertices start outside colliders[1], a container; move one of the two"},
+      {R"({"plane": {"point": [0, 0, 0.6], "normal": [0, 0, 1]}})",
+       "18 of 27 vertices start inside colliders[1]; move"},
+      {R"({"sphere": {"centre": [0, 0, 0], "radius": 0.6}})", "4 of 27 vertices start inside colliders[1]"},
+      {R"({"cylinder": {"centre": [0, 0, 0], "axis": [0, 0, 1], "radius": 0.1, "length": 1.5}})", "2 of 27 vertices"},
+      {R"({"mesh": {"shape": "box", "size": [1, 1, 1]}, "translate": [0.6, 0.6, 0.6]})", "1 of 27 vertices"},
+      // Where it is when the run begins.
+      {R"({"sphere": {"centre": [9, 0, 0], "radius": 0.2}, "motion": {"keyframes": [{"time": 0, "translate": [-9, 0, 0]}]}})",
+       "1 of 27 vertices"},
+  };
+  for (const auto& [collider, message] : cases) {
+    const std::string said = build_refusal(block_beside(collider));
+    EXPECT_EQ(said.find("folder/whole.json: body 'block': " + message), 0u) << collider << "\nsays: " << said;
+    EXPECT_NE(said.find(R"("start_outside": "allow")"), std::string::npos) << said;
+    EXPECT_EQ(build_refusal(block_beside(collider, R"(, "start_outside": "allow")")), "accepted") << collider;
+  }
+}
+
+TEST(Scene, AcceptsBodiesThatTouchCollidersOrArePinnedInThem) {
+  for (const char* collider : {R"({"box": {"min": [0, 0, 0], "max": [1, 1, 1]}})",
+                               R"({"plane": {"point": [0, 0, 0.00005], "normal": [0, 0, 1]}})",
+                               R"({"mesh": {"shape": "box", "size": [1, 1, 1]}, "translate": [1, 0, 0]})",
+                               R"({"sphere": {"centre": [0.25, 0.25, 0.25], "radius": 0.4}})"})
+    EXPECT_EQ(build_refusal(block_beside(collider)), "accepted") << collider;
+  const char* floor = R"({"plane": {"point": [0, 0, 0.1], "normal": [0, 0, 1]}})";
+  const char* pin = R"(, "pinned": [{"plane": {"point": [0, 0, 0.1], "normal": [0, 0, -1]}}])";
+  EXPECT_EQ(build_refusal(block_beside(floor, "", pin)), "accepted");
+  EXPECT_NE(build_refusal(block_beside(floor)), "accepted");
 }
 
 TEST(Scene, LimitsInitialVelocities) {
