@@ -74,6 +74,10 @@ std::string digits(std::uint64_t fingerprint) {
   return fmt::format("{:016x}", fingerprint);
 }
 
+Json state_at_start(const Row& first) {
+  return {{"penetrating_vertices", first.penetrating_vertices}, {"deepest_penetration", first.deepest_penetration}};
+}
+
 Json state_at_end(const Row& last, std::uint64_t fingerprint) {
   return {{"fingerprint", digits(fingerprint)},
           {"penetrating_vertices", last.penetrating_vertices},
@@ -102,6 +106,7 @@ std::string summarize_run(const Scene& scene, const RunReport& report) {
   json["iterations"] = scene.options.iterations;
   json["average_per_step"] = averages_per_step(totals, static_cast<double>(last.steps));
   json["average_per_path"] = averages_per_path(totals);
+  json["at_start"] = state_at_start(report.frames.front());
   json["at_end"] = state_at_end(last, report.fingerprint);
   json["frame_seconds"] = {{"average", ratio(totals.frames, static_cast<double>(last.frame))},
                            {"longest", totals.longest}};

@@ -37,11 +37,33 @@ TEST_F(Simulate, WritesTheRunAndSaysWhatItDid) {
   EXPECT_EQ(lines_of(read_text(file("run/statistics.csv"))).size(), 7u);
 }
 
+TEST_F(Simulate, SaysAtTheStartThatBodiesOverlap) {
+  write_text(file("blocks.json"), kScene);
+  EXPECT_EQ(run_well("simulate blocks.json -o apart --frames 0").out.find("at the start"), std::string::npos);
+  // 0.06 m into the block below: 3 x 4 vertices of each.
+  std::string overlapping = kScene;
+  overlapping.replace(overlapping.find("1.05]"), 5, "0.94]");
+  write_text(file("overlapping.json"), overlapping);
+  const std::string said = run_well("simulate overlapping.json -o over --frames 1").out;
+  EXPECT_EQ(said.find("at the start     24 vertices inside bodies, at most 60 mm deep\n"), 0u) << said;
+  EXPECT_EQ(run_well("simulate overlapping.json -o quiet --frames 1 -q").out, "");
+  EXPECT_EQ(run_well("simulate overlapping.json -o over --frames 2 --resume").out.find("at the start"),
+            std::string::npos);
+  const auto report = nlohmann::json::parse(run_well("simulate overlapping.json -o json --frames 0 --json -").out);
+  EXPECT_EQ(report["at_start"]["penetrating_vertices"], 24);
+  EXPECT_NEAR(report["at_start"]["deepest_penetration"].get<double>(), 0.06, 1e-9);
+}
+
 TEST_F(Simulate, RefusesWithOneLine) {
   write_text(file("blocks.json"), kScene);
   write_text(file("wrong.json"), R"({"selvage_scene": 1, "bodies": [{"mesh": {"shape": "bux"}}]})");
   expect_refused("simulate wrong.json -o run", 2, {"wrong.json: bodies[0].mesh.shape", "box"});
   expect_refused("simulate none.json -o run", 2, {"none.json"});
+  std::string outside = kScene;
+  outside.replace(outside.find("\"point\": [0, 0, 0]"), 18, "\"point\": [0, 0, 9]");
+  write_text(file("outside.json"), outside);
+  expect_refused("simulate outside.json -o run", 2,
+                 {"outside.json: body 'body0[0]': 125 of 125 vertices start inside colliders[0]"});
   write_text(file("typo.json"), R"({"selvage_scene": 1, "scale": {}, "bodies": [{"mesh": {"shape": "box"}}]})");
   expect_refused("simulate typo.json -o run", 2, {"typo.json: scale: is not known", "did you mean 'scales'?"});
   write_text(file("mesh.obj"), "v 0 0 0\n");

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 
@@ -65,6 +66,14 @@ class FrameProgress {
   Clock::time_point start_;
 };
 
+/// Says before the first frame that bodies overlap: the figures at the end do not tell what the scene began with.
+void print_start(const FrameStatistics& row) {
+  if (row.frame > 0 || row.penetrating_vertices == 0) return;
+  fmt::print("at the start     {} {} inside bodies, at most {:.3g} mm deep\n", grouped(row.penetrating_vertices),
+             row.penetrating_vertices == 1 ? "vertex" : "vertices", 1e3 * row.deepest_penetration);
+  std::fflush(stdout);
+}
+
 void print_summary(const SimulateOptions& options, const Scene& scene, const RunReport& report, double seconds) {
   const FrameStatistics& last = report.frames.back();
   const std::int64_t run = last.frame - report.first_frame;
@@ -111,15 +120,18 @@ void run_simulate(const SimulateOptions& options) {
   const Scene scene = read_scene(options.scene, options.scale);
   RunOptions run = run_options(options);
   FrameProgress progress(run.frames.value_or(scene.frames), options.common.quiet);
-  run.on_frame = [&](const FrameStatistics& row) { progress.show(row.frame); };
+  const bool prints = !options.common.quiet && !outputs.uses_standard_output();
+  run.on_frame = [&](const FrameStatistics& row) {
+    if (prints) print_start(row);
+    progress.show(row.frame);
+  };
   watch.lap("read");
   const RunReport report = run_scene(scene, run);
   watch.lap("run");
   progress.clear();
   outputs.write_text(options.common.json, summarize_run(scene, report));
   outputs.commit();
-  if (!options.common.quiet && !outputs.uses_standard_output())
-    print_summary(options, scene, report, watch.laps().back().second);
+  if (prints) print_summary(options, scene, report, watch.laps().back().second);
   if (report.outcome != RunOutcome::kFinished) throw Failure(fmt::format("{}: {}", options.scene, report.message));
 }
 
