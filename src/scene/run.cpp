@@ -5,6 +5,7 @@
 #include "scene/run_folder.h"
 #include "selvage/boundary_path/boundary_path.h"
 #include "selvage/core/error.h"
+#include "selvage/self_collision/self_collision.h"
 
 #include <fmt/format.h>
 
@@ -74,6 +75,25 @@ void measure_penetration(BoundaryPathFinder<3>& finder, const State& state, Fram
     if (path.status == PathStatus::kFound) row.deepest_penetration = std::max(row.deepest_penetration, path.distance);
 }
 
+/// Part of an element's volume at rest up to which it is flat.
+constexpr double kFlat = 1e-9;
+
+double volume_of(const std::vector<Vec3>& positions, const VertexTuple<4>& element) {
+  const Vec3& p = positions[element[0]];
+  return (positions[element[1]] - p).cross(positions[element[2]] - p).dot(positions[element[3]] - p) / 6;
+}
+
+void measure_volumes(const Model& model, const State& state, FrameStatistics& row) {
+  for (const auto& element : model.mesh.elements())
+    row.flat_elements +=
+        std::abs(volume_of(state.positions, element)) <= kFlat * volume_of(model.rest_positions, element);
+}
+
+void measure_pairs(SelfCollisionFinder& finder, const State& state, FrameStatistics& row) {
+  finder.update(state.positions);
+  row.triangle_pairs = std::ranges::count(finder.find_pairs(), TriangleContact::kCrossing, &TrianglePair::contact);
+}
+
 void add_step(const StepStatistics& step, FrameStatistics& row) {
   const auto& contact = step.contact;
   row.vertex_paths += contact.contacts[static_cast<std::size_t>(ContactKind::kVertexPath)];
@@ -102,7 +122,11 @@ void add_step(const StepStatistics& step, FrameStatistics& row) {
 class SceneSimulation {
  public:
   explicit SceneSimulation(const Scene& scene)
-      : scene_(scene), finder_(scene.model.mesh, scene.initial_state.positions), held_(scene) {}
+      : scene_(scene),
+        finder_(scene.model.mesh, scene.initial_state.positions),
+        surface_(boundary_surface(scene.model.mesh)),
+        surface_finder_(surface_, scene.initial_state.positions),
+        held_(scene) {}
 
   void measure(const State& state, std::int64_t frame, FrameStatistics& row) {
     row.frame = frame;
@@ -110,6 +134,8 @@ class SceneSimulation {
     row.steps = state.steps;
     measure_motion(scene_.model, state, row);
     measure_penetration(finder_, state, row);
+    measure_volumes(scene_.model, state, row);
+    measure_pairs(surface_finder_, state, row);
   }
 
   /// Takes the state to the end of the frame.
@@ -143,6 +169,8 @@ class SceneSimulation {
 
   const Scene& scene_;
   BoundaryPathFinder<3> finder_;
+  TriangleMesh surface_;
+  SelfCollisionFinder surface_finder_;  // refitted from frame to frame
   HeldElements held_;
   std::optional<XpbdSolver> solver_;
   bool with_contact_ = false;

@@ -35,7 +35,9 @@ constexpr std::array kColumns{
     Column{"impacts_left", &Row::impacts_left},
     Column{"penetrating_vertices", &Row::penetrating_vertices},
     Column{"deepest_penetration", &Row::deepest_penetration},
+    Column{"triangle_pairs", &Row::triangle_pairs},
     Column{"inverted_elements", &Row::inverted_elements},
+    Column{"flat_elements", &Row::flat_elements},
     Column{"kinetic_energy", &Row::kinetic_energy},
     Column{"fastest", &Row::fastest},
     // Costs follow.

@@ -82,7 +82,9 @@ Json state_at_end(const Row& last, std::uint64_t fingerprint) {
   return {{"fingerprint", digits(fingerprint)},
           {"penetrating_vertices", last.penetrating_vertices},
           {"deepest_penetration", last.deepest_penetration},
+          {"triangle_pairs", last.triangle_pairs},
           {"inverted_elements", last.inverted_elements},
+          {"flat_elements", last.flat_elements},
           {"kinetic_energy", last.kinetic_energy},
           {"fastest", last.fastest}};
 }

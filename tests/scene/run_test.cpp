@@ -2,6 +2,7 @@
 
 #include "selvage/core/error.h"
 #include "selvage/scene/frames.h"
+#include "selvage/self_collision/self_collision.h"
 #include "temporary_folder.h"
 
 #include <fmt/format.h>
@@ -270,6 +271,44 @@ TEST(Run, NamesTheFrameOfAnExplosion) {
   RunOptions to_last = to(folder.path() / "again");
   to_last.frames = last;
   EXPECT_EQ(run_scene(parse_scene(text, "far.json"), to_last).fingerprint, report.fingerprint);
+}
+
+TEST(Run, CountsTrianglesThatCrossWhereNoVertexIsInside) {
+  const TemporaryFolder folder;
+  // Two bars across one another, with vertices at their ends alone.
+  const Scene scene = scene_of(R"({"selvage_scene": 1, "frames": 1, "gravity": [0, 0, 0], "contact": {"mode": "none"},
+    "bodies": [{"mesh": {"shape": "box", "size": [1, 1, 1], "cell": 1}, "scale": [3, 1, 1], "translate": [0, 1, 0]},
+               {"mesh": {"shape": "box", "size": [1, 1, 1], "cell": 1}, "scale": [0.6, 3, 0.6],
+                "translate": [1.2, 0, 0.2]}]})");
+  const RunReport report = run_scene(scene, to(folder.path()));
+  const TriangleMesh surface = boundary_surface(scene.model.mesh);
+  const auto pairs = SelfCollisionFinder(surface, scene.initial_state.positions).find_pairs();
+  for (const FrameStatistics& row : report.frames) {
+    EXPECT_EQ(row.penetrating_vertices, 0);
+    EXPECT_EQ(row.triangle_pairs,
+              std::ranges::count(pairs, TriangleContact::kCrossing, [](const auto& pair) { return pair.contact; }));
+    EXPECT_GE(row.triangle_pairs, 8);  // each of four sides of the one passes two sides of the other
+    EXPECT_EQ(row.flat_elements, 0);
+  }
+  EXPECT_NE(read_text(folder.path() / "summary.json").find(fmt::format("\"triangle_pairs\": {}", pairs.size())),
+            std::string::npos);
+}
+
+TEST(Run, CountsFlatElementsApartFromInvertedOnes) {
+  const auto first_row = [](const char* matrix) {
+    const TemporaryFolder folder;
+    RunOptions options = to(folder.path());
+    options.frames = 0;
+    return run_scene(scene_of(fmt::format(R"({{"selvage_scene": 1, "bodies": [
+      {{"mesh": {{"shape": "box", "size": [1, 1, 1], "cell": 0.5}}, "poses": [{{"matrix": {}}}]}}]}})",
+                                          matrix)),
+                     options)
+        .frames.front();
+  };
+  EXPECT_EQ(first_row("[[1, 0, 0], [0, 1, 0], [0, 0, 1e-10]]").flat_elements, 48);
+  const FrameStatistics thin = first_row("[[1, 0, 0], [0, 1, 0], [0, 0, 1e-8]]");
+  EXPECT_EQ(thin.flat_elements, 0);
+  EXPECT_EQ(thin.inverted_elements, 0);
 }
 
 TEST(Run, FramesHoldNothingInfinite) {

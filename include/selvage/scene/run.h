@@ -24,9 +24,11 @@ struct FrameStatistics {
   // At the end of the frame.
   std::int64_t penetrating_vertices = 0;  ///< boundary vertices inside an element that is not theirs
   double deepest_penetration = 0;         ///< longest shortest path to the boundary of one of them [m]
+  std::int64_t triangle_pairs = 0;        ///< triangles of the boundary that cross and share no vertex, by exact tests
   std::int64_t inverted_elements = 0;
-  double kinetic_energy = 0;  ///< [J]
-  double fastest = 0;         ///< speed of the fastest vertex [m/s]
+  std::int64_t flat_elements = 0;  ///< volume of either sign of at most 1e-9 of that at rest
+  double kinetic_energy = 0;       ///< [J]
+  double fastest = 0;              ///< speed of the fastest vertex [m/s]
 
   // Costs. They are no part of the result: a run that was continued has other hierarchies than one that never stopped,
   // and visits other nodes.

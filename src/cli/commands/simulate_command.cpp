@@ -91,7 +91,12 @@ void print_summary(const SimulateOptions& options, const Scene& scene, const Run
                                         ? std::string("none at the end")
                                         : fmt::format("{} at the end, deepest {:.3g} m",
                                                       grouped(last.penetrating_vertices), last.deepest_penetration));
+  table.add("crossing triangles", last.triangle_pairs == 0
+                                      ? std::string("none at the end")
+                                      : fmt::format("{} {} at the end", grouped(last.triangle_pairs),
+                                                    last.triangle_pairs == 1 ? "pair" : "pairs"));
   table.add("inverted elements", grouped(last.inverted_elements));
+  if (last.flat_elements > 0) table.add("flat elements", grouped(last.flat_elements));
   table.add("fastest vertex", fmt::format("{:.3g} m/s", last.fastest));
   table.add("time", run > 0 ? fmt::format("{}, {}", readable_duration(seconds),
                                           frames_a_minute(static_cast<double>(run), seconds))
