@@ -83,6 +83,22 @@ double volume_of(const std::vector<Vec3>& positions, const VertexTuple<4>& eleme
   return (positions[element[1]] - p).cross(positions[element[2]] - p).dot(positions[element[3]] - p) / 6;
 }
 
+/// Part of a body's volume at rest up to which it has none.
+constexpr double kNoVolume = 1e-3;
+
+/// The first body without volume, or null.
+const Body* find_body_without_volume(const Model& model, const State& state) {
+  for (const Body& body : model.bodies) {
+    double volume = 0, at_rest = 0;
+    for (Index e = body.first_element; e < body.first_element + body.element_count; ++e) {
+      volume += volume_of(state.positions, model.mesh.elements()[e]);
+      at_rest += volume_of(model.rest_positions, model.mesh.elements()[e]);
+    }
+    if (volume <= kNoVolume * at_rest) return &body;
+  }
+  return nullptr;
+}
+
 void measure_volumes(const Model& model, const State& state, FrameStatistics& row) {
   for (const auto& element : model.mesh.elements())
     row.flat_elements +=
@@ -182,7 +198,7 @@ void stop(RunReport& report, RunOutcome outcome, std::int64_t frame, const std::
 }
 
 /// Runs one frame; false when the run ends with it.
-bool advance(SceneSimulation& simulation, std::int64_t frame, State& state, RunReport& report) {
+bool advance(const Scene& scene, SceneSimulation& simulation, std::int64_t frame, State& state, RunReport& report) {
   try {
     report.frames.push_back(simulation.run_frame(state, frame));
   } catch (const SystemError&) {
@@ -192,10 +208,15 @@ bool advance(SceneSimulation& simulation, std::int64_t frame, State& state, RunR
     return false;
   }
   const Index inverted = simulation.find_inverted_held_element(state);
-  if (inverted == kNone) return true;
+  const Body* empty = find_body_without_volume(scene.model, state);
+  if (inverted == kNone && empty == nullptr) return true;
   report.frames.pop_back();
-  stop(report, RunOutcome::kImpossibleHandles, frame,
-       fmt::format("handles invert element {}, whose four vertices they hold", inverted));
+  if (inverted != kNone)
+    stop(report, RunOutcome::kImpossibleHandles, frame,
+         fmt::format("handles invert element {}, whose four vertices they hold", inverted));
+  else
+    stop(report, RunOutcome::kNoVolume, frame,
+         fmt::format("body '{}' has no volume left; give it room, or take more substeps", empty->name));
   return false;
 }
 
@@ -237,7 +258,7 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
   if (options.on_frame) options.on_frame(report.frames.back());
   const std::int64_t last = options.frames.value_or(scene.frames);
   for (std::int64_t frame = report.first_frame + 1; frame <= last; ++frame) {
-    if (!advance(simulation, frame, state, report)) break;
+    if (!advance(scene, simulation, frame, state, report)) break;
     store(folder, state, report.frames.back());
     if (options.on_frame) options.on_frame(report.frames.back());
   }

@@ -46,6 +46,8 @@ const char* name_of(RunOutcome outcome) {
       return "finished";
     case RunOutcome::kExploded:
       return "exploded";
+    case RunOutcome::kNoVolume:
+      return "no volume";
     default:
       return "impossible handles";
   }

@@ -57,6 +57,7 @@ enum class RunOutcome : std::uint8_t {
   kFinished,
   kExploded,           ///< a position stopped being finite
   kImpossibleHandles,  ///< handles inverted an element whose four vertices they hold
+  kNoVolume,           ///< at the end of a frame a body had at most 1/1000 of its volume at rest
 };
 
 struct RunReport {
