@@ -45,7 +45,8 @@ build-tests:
 sanitize: sanitize-memory sanitize-threads
 
 # FLOORS="bvh mesh": the tests of these floors alone.
-sanitize-memory: FLOORS ?= core geometry mesh bvh boundary_path self_collision contact simulation picture cli
+sanitize-memory: FLOORS ?= core geometry mesh bvh io shapes boundary_path self_collision surface_distance contact \
+                           elasticity simulation untangling scene picture cli
 sanitize-memory:
 	$(INSTALL) build test sanitize
 	$(CONFIGURE) --preset asan
@@ -53,7 +54,8 @@ sanitize-memory:
 	SELVAGE_TEST_SCALE=$(SANITIZE_SCALE) $(CTEST) --preset asan -L '$(LABELS)'
 
 # Only what runs in parallel.
-sanitize-threads: FLOORS ?= core mesh bvh boundary_path self_collision contact simulation
+sanitize-threads: FLOORS ?= core mesh bvh io shapes boundary_path self_collision surface_distance contact simulation \
+                            untangling scene
 sanitize-threads:
 	$(INSTALL) build test
 	$(CONFIGURE) --preset tsan

@@ -61,8 +61,8 @@ SELVAGE_INLINE VolumeOverTime volume_over_time(const MovingPoints& points) {
           kRelativeError * bound + kUnderflowError * (1 + reach[0][0] + reach[0][1] + reach[0][2])};
 }
 
-/// Whether the four points are certainly never in one plane: all Bernstein coefficients of the volume have one sign (the
-/// first case of BSC, Bernstein sign classification).
+/// Whether the four points are certainly never in one plane: all Bernstein coefficients of the volume have one sign
+/// (the first case of BSC, Bernstein sign classification).
 SELVAGE_INLINE bool never_zero(const VolumeOverTime& volume) {
   bool above = true, below = true;
   for (double coefficient : volume.coefficient) {

@@ -32,8 +32,8 @@ struct PathKernels {
 template <int D>
 std::vector<PathKernels<D>> path_kernels() {
   std::vector<PathKernels<D>> all = {{Isa::baseline, &baseline::search_paths, &baseline::search_paths_alone},
-                                 {Isa::avx2, &avx2::search_paths, &avx2::search_paths_alone},
-                                 {Isa::avx512, &avx512::search_paths, &avx512::search_paths_alone}};
+                                     {Isa::avx2, &avx2::search_paths, &avx2::search_paths_alone},
+                                     {Isa::avx512, &avx512::search_paths, &avx512::search_paths_alone}};
   std::erase_if(all, [](const PathKernels<D>& k) { return k.isa > active_isa(); });
   return all;
 }

@@ -124,7 +124,8 @@ void StepGate::find_collapsing_elements(const Step& step, std::span<const StepVe
           const double before = element_volume(element, step.positions);
           const double kept = volume >= kMinVolume * rest_volumes_[e] ? 0.5 : 1;
           const bool collapses = before > 0 && volume < kept * before;
-          if (collapses && origin.cwiseAbs().maxCoeff() * kRounding < std::cbrt(rest_volumes_[e])) result.elements.push_back(static_cast<Index>(e));
+          if (collapses && origin.cwiseAbs().maxCoeff() * kRounding < std::cbrt(rest_volumes_[e]))
+            result.elements.push_back(static_cast<Index>(e));
         }
       });
   std::sort(found.elements.begin(), found.elements.end());
