@@ -54,6 +54,9 @@ struct PathOptions {
 /// Holds the hierarchies of one mesh; positions are handed in with every new pose and copied.
 /// Source: Chen, Diaz, Yuksel 2023 (SPB), section 3 and supplement, algorithms 1 to 4.
 /// Thread-safe for concurrent queries; update() and rebuild() need exclusive access.
+///
+/// Example, built and run by the tests:
+/// @include boundary_path.cpp
 template <int D>
 class BoundaryPathFinder {
  public:

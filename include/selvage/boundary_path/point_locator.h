@@ -42,6 +42,9 @@ struct MeshDefects {
 /// Points on a face, an edge or a vertex are in every element that has it; every answer is decided exactly. Flat
 /// elements hold nothing. Holds a hierarchy over the elements; positions are handed in with every new pose and copied.
 /// Thread-safe for concurrent queries; update() and rebuild() need exclusive access.
+///
+/// Example, built and run by the tests:
+/// @include point_locator.cpp
 template <int D>
 class PointLocator {
  public:

@@ -55,6 +55,9 @@ struct StepImpacts {
 /// A point is not compared with elements that share a vertex with it: neighbours that touch are no contact.
 ///
 /// Source: Chen, Diaz, Yuksel 2023 (SPB), section 4 and supplement, algorithm 5.
+///
+/// Example, built and run by the tests:
+/// @include contact_finder.cpp
 class ContactFinder {
  public:
   /// @param mesh            topology, all objects in one; must outlive the finder

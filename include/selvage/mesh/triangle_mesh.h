@@ -68,6 +68,9 @@ class TriangleMesh {
 ///
 /// The surface of a non-empty mesh is never empty and has no border, but may be non-manifold. O(n log n), parallel.
 /// @throws Error  when the mesh was made by default, without an element
+///
+/// Example, built and run by the tests:
+/// @include boundary_surface.cpp
 TriangleMesh boundary_surface(const TetMesh& mesh);
 
 }  // namespace selvage

@@ -54,6 +54,9 @@ struct ContinuousCounters {
 /// triangles it belongs to (low-level culling: Curtis, Tamstorf, Manocha 2008; EDC section 6.1). Vertices without a
 /// triangle meet nothing.
 /// Thread-safe for concurrent queries; update() and rebuild() need exclusive access.
+///
+/// Example, built and run by the tests:
+/// @include continuous_collision.cpp
 class ContinuousCollisionFinder {
  public:
   /// @param mesh          topology; must outlive the finder: a temporary is refused

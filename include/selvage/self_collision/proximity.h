@@ -36,6 +36,9 @@ struct NearPairs {
 /// Any surface is legal, see SelfCollisionFinder. Vertices without a triangle are near nothing. No pair is missed;
 /// distances are computed in doubles, see closest_point_on_triangle() and closest_points().
 /// Thread-safe for concurrent queries; update() and rebuild() need exclusive access.
+///
+/// Example, built and run by the tests:
+/// @include proximity.cpp
 class ProximityFinder {
  public:
   /// @param mesh       topology; must outlive the finder: a temporary is refused

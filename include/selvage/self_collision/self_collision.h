@@ -93,6 +93,9 @@ struct SelfCollisionCounters {
 /// Holds the hierarchy of one surface. Positions are given with every new pose and copied. Any surface is legal:
 /// open, closed, of several components, non-manifold, with degenerate triangles or several in one place.
 /// Thread-safe for concurrent queries; update() and rebuild() need exclusive access.
+///
+/// Example, built and run by the tests:
+/// @include self_collision.cpp
 class SelfCollisionFinder {
  public:
   /// @param mesh       topology; must outlive the finder: a temporary is refused

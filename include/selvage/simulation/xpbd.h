@@ -40,6 +40,9 @@ using UserConstraint = std::function<void(const StepVertices& vertices, int iter
 /// elements: blocks of one colour share no vertex and are solved at the same time, inside a block by as many lanes as
 /// registers have. The result is the same, bit for bit, for any number of threads and on any instruction set.
 /// Sources: Macklin, Mueller, Chentanez 2016 (XPBD); Macklin and Mueller 2021; Chen, Diaz, Yuksel 2023 (SPB).
+///
+/// Example, built and run by the tests:
+/// @include xpbd_solver.cpp
 class XpbdSolver {
  public:
   /// @param model    must outlive the solver

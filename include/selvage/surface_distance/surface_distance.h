@@ -45,6 +45,9 @@ struct SignedDistance {
 ///
 /// Holds the hierarchy of one surface. Positions are given with every new pose and copied. Thread-safe for concurrent
 /// queries; update() and rebuild() need exclusive access.
+///
+/// Example, built and run by the tests:
+/// @include surface_distance.cpp
 class SurfaceDistance {
  public:
   /// No coordinate of a surface or a point may be larger in magnitude: its square would overflow.

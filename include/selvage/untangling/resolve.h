@@ -76,6 +76,9 @@ struct ResolveReport {
 ///                   impossible; it names which
 ///
 /// Source: Chen, Diaz, Yuksel 2023 (SPB), section 5.2; for inverted elements Garanzha et al. 2021, Foldover-free maps.
+///
+/// Example, built and run by the tests:
+/// @include resolve_collisions.cpp
 ResolveReport resolve_collisions(const TetMesh& mesh, std::vector<Vec3>& positions, const ResolveOptions& options = {});
 
 }  // namespace selvage
