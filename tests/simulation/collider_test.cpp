@@ -262,8 +262,9 @@ TEST(Colliders, LetFrictionPullNoVertexThroughThem) {
       const Model model = make(make_box({0.2, 0.2, 0.2}, 0.05), neo_hookean(1e5, 0.3));
       State state = make_state(model, model.rest_positions);
       const Motion sweep{{{0, start}, {0.1, start}, {1.1, start + speed * Vec3::UnitX()}}};
-      std::vector<Collider> colliders{{PlaneShape{}, {}, 1, 1}, {PlaneShape{{0, 0, 0.2}, -Vec3::UnitZ()}, press, 1, 1}};
-      colliders.insert(plate_first ? colliders.begin() : colliders.end(), {plate, sweep, 1, 1});
+      std::vector<Collider> colliders{{PlaneShape{}, {}, {1, 1}},
+                                      {PlaneShape{{0, 0, 0.2}, -Vec3::UnitZ()}, press, {1, 1}}};
+      colliders.insert(plate_first ? colliders.begin() : colliders.end(), {plate, sweep, {1, 1}});
       XpbdSolver solver(model, state, {}, colliders, without_contact());
       for (int i = 0; i < 100; ++i) {
         solver.step(state);
@@ -388,7 +389,7 @@ TEST(Colliders, AreRefusedWhenImpossible) {
                                  {Bowl{Vec3::Zero(), Vec3::UnitZ(), NAN}},
                                  {open},
                                  {MeshShape{}},
-                                 {PlaneShape{}, {}, -1, 0},
+                                 {PlaneShape{}, {}, {-1, 0}},
                                  {PlaneShape{}, {{{1}, {0}}}}};
   for (const Collider& collider : wrong) {
     try {
