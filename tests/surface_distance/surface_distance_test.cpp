@@ -144,7 +144,7 @@ Surface closed_surface(std::int64_t kind, Random& random) {
 TEST(SurfaceSides, AreTheSolidAngleWherePointsAreOffTheSurface) {
   Random random(43);
   std::int64_t asked = 0, inside = 0, on_surface = 0, twice = 0, inverted = 0;
-  for (std::int64_t n = 0; n < scaled(120); ++n) {
+  for (std::int64_t n = 0; n < scaled(120, 40); ++n) {
     const Surface surface = closed_surface(n, random);
     const TriangleMesh mesh = surface.mesh();
     const SurfaceDistance distance(mesh, surface.positions);
