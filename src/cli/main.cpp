@@ -59,7 +59,7 @@ int run_command(const Command& command) {
   } catch (const Error& error) {
     return report(error.what(), kBadInput);
   } catch (const std::bad_alloc&) {
-    return report("the memory does not suffice", kFailed);
+    return report("not enough memory", kFailed);
   } catch (const std::exception& error) {
     return report(error.what(), kFailed);
   }
@@ -68,7 +68,7 @@ int run_command(const Command& command) {
 }  // namespace
 
 int run_program(int argc, char** argv) {
-  CLI::App app("selvage finds the self-collisions of deformable meshes, exactly and fast, and undoes them.", "selvage");
+  CLI::App app("selvage finds and resolves the self-collisions of deformable meshes, exactly and fast.", "selvage");
   app.formatter(std::make_shared<HelpFormatter>(std::clamp(terminal_width(STDOUT_FILENO, 80), 30, 100)));
   app.set_help_flag("-h,--help", "Print this help");
   app.set_version_flag("--version", std::string("selvage ") + version(), "Print the version");

@@ -63,7 +63,7 @@ TEST_F(RefusalsTest, NumbersOfThreads) {
 
 TEST_F(RefusalsTest, DirectionsAndExtensionsBeforeAnyWork) {
   for (const char* view : {"0 0 0", "nan 0 1", "0 inf 0"}) {
-    expect_refused(std::string("paths missing.t --picture out.png --view ") + view, 2, {"--view: is no direction"});
+    expect_refused(std::string("paths missing.t --picture out.png --view ") + view, 2, {"--view: is not a direction"});
   }
   run_well("paths tangled.t -q --picture out.png --view 1e308 -1e308 1e308");
   fs::remove(file("out.png"));
@@ -75,7 +75,7 @@ TEST_F(RefusalsTest, OutputsInThePlaceOfInputs) {
   expect_refused("info ball.node --json ball.ele", 2, {"ball.ele: would replace an input"});
   expect_refused("paths ball.ele --csv ./ball.node", 2, {"ball.node: would replace an input"});
   expect_refused("paths tangled.t --points tangled.t --csv tangled.t", 2, {"would replace an input"});
-  expect_refused("make ball -o new.node --json new.ele", 2, {"new.ele: is named for two outputs"});
+  expect_refused("make ball -o new.node --json new.ele", 2, {"new.ele: is given for two outputs"});
 }
 
 TEST_F(RefusalsTest, FullDevices) {

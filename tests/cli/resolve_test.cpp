@@ -112,10 +112,11 @@ TEST_F(Resolve, RefusesWithOneLine) {
   with_surface.triangles = {{0, 1, 2}};
   write_mesh(file("surface.vtu"), with_surface);
   expect_refused("resolve surface.vtu --pin none.txt -o out.t", 2, {"out.t", "holds no triangles"});
-  expect_refused("resolve box.vtu -o out.vtu --rest finer.vtu", 2, {"finer.vtu", "other vertices or elements"});
+  expect_refused("resolve box.vtu -o out.vtu --rest finer.vtu", 2,
+                 {"finer.vtu", "differs from the mesh in its vertices or elements"});
   expect_refused("resolve box.vtu -o out.vtu --pin far.txt", 2, {"far.txt:2", "no vertex 1000"});
   expect_refused("resolve box.vtu -o out.vtu --pin word.txt", 2, {"word.txt:1", "'zero'"});
-  expect_refused("resolve box.vtu -o out.vtu --pin-box 9 9 9 10 10 10", 2, {"--pin-box", "holds no vertex"});
+  expect_refused("resolve box.vtu -o out.vtu --pin-box 9 9 9 10 10 10", 2, {"--pin-box", "contains no vertex"});
   expect_refused("resolve box.vtu -o out.vtu --max-displacement 0", 2, {"--max-displacement"});
   expect_refused("resolve box.vtu -o out.vtu --clearance 2", 2, {"--clearance: is 2"});
   EXPECT_EQ(run("resolve --help").status, 0);

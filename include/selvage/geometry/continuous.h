@@ -16,7 +16,7 @@ struct MovingPoints {
 
 /// The first time at which a moving vertex and a moving face meet: no later than the true one and at most 2^-20 (below
 /// 1e-6) earlier, never below 0. Nothing exactly when `vertex_meets_face` is false, or when that time is not below
-/// `before`: whoever looks for the earliest of many gives the earliest so far, and waits less.
+/// `before`: for the earliest of many, pass the earliest so far: it saves time.
 std::optional<double> vertex_face_impact(const MovingPoints& points, double before = 1);
 
 /// The same for two moving edges.

@@ -23,7 +23,7 @@ enum class FileEncoding {
 ///                vertex in an element, no element at all
 IndexedMesh read_mesh(const std::filesystem::path& path);
 
-/// The door of write_mesh(), to be asked before long work on a mesh of which only vertices will move.
+/// Checks whether write_mesh() could write this mesh. Call it before long work that moves vertices only.
 /// @throws Error  unknown extension, or elements of a kind that the format does not have
 void check_format_holds(const std::filesystem::path& path, const IndexedMesh& mesh);
 

@@ -26,18 +26,19 @@ std::vector<std::string_view> split(std::string_view line) {
 AskedPoint parse_point(std::string_view line, const std::string& place, Index element_count) {
   const auto fields = split(line);
   if (fields.size() != 3 && fields.size() != 4) {
-    throw Error(place, fmt::format("{} fields", fields.size()), "write x,y,z or x,y,z,element");
+    throw Error(place, fmt::format("{} fields, where 3 or 4 are expected", fields.size()),
+                "write x,y,z or x,y,z,element");
   }
   AskedPoint asked;
   for (int i = 0; i < 3; ++i) {
     const auto coordinate = read_number<double>(fields[i]);
-    if (!coordinate) throw Error(place, fmt::format("'{}' is no number", fields[i]));
+    if (!coordinate) throw Error(place, fmt::format("'{}' is not a number", fields[i]));
     if (!std::isfinite(*coordinate)) throw Error(place, fmt::format("'{}' is not finite", fields[i]));
     asked.point[i] = *coordinate;
   }
   if (fields.size() == 3 || fields[3].empty()) return asked;
   const auto element = read_number<std::int64_t>(fields[3]);
-  if (!element) throw Error(place, fmt::format("'{}' is no element number", fields[3]));
+  if (!element) throw Error(place, fmt::format("'{}' is not an element number", fields[3]));
   if (*element < 0 || *element >= element_count) {
     throw Error(place, fmt::format("there is no element {}", *element),
                 fmt::format("elements are numbered from 0 to {}", element_count - 1));

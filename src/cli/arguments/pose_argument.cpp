@@ -12,7 +12,7 @@ namespace {
 template <typename T>
 T number_of(std::string_view key, std::string_view value) {
   const auto number = read_number<T>(value);
-  if (!number) throw Error("--pose", fmt::format("'{}' is no value for {}", value, key), "give a number");
+  if (!number) throw Error("--pose", fmt::format("'{}' is not a value for {}", value, key), "give a number");
   return *number;
 }
 
@@ -20,7 +20,7 @@ int axis_of(std::string_view value) {
   for (const std::string_view names : {"xyz", "012"}) {
     if (value.size() == 1 && names.find(value) != std::string_view::npos) return static_cast<int>(names.find(value));
   }
-  throw Error("--pose", fmt::format("'{}' is no axis", value), "use x, y or z");
+  throw Error("--pose", fmt::format("'{}' is not an axis", value), "use x, y or z");
 }
 
 void set_option(PoseOptions& options, std::string_view key, std::string_view value) {
@@ -55,7 +55,7 @@ PoseArgument parse_pose(std::string_view text) {
     const std::string_view item = text.substr(0, end);
     const std::size_t equals = item.find('=');
     if (equals == std::string_view::npos) {
-      throw Error("--pose", fmt::format("'{}' is no option", item), "write KEY=VALUE, as in bend,axis=x,turns=1.5");
+      throw Error("--pose", fmt::format("'{}' is not an option", item), "write KEY=VALUE, as in bend,axis=x,turns=1.5");
     }
     set_option(pose.options, item.substr(0, equals), item.substr(equals + 1));
   }

@@ -109,16 +109,15 @@ Command add_bench(CLI::App& app) {
                                  "  selvage bench boundary-path --quick --threads 1 --json bench.json\n"
                                  "  selvage bench simulation --frames 3");
   sub->add_option("names", options->names,
-                  fmt::format("Measurements to run, of {}; without any, all", fmt::join(kAll, ", ")))
+                  fmt::format("Measurements to run: any of {}; all by default", fmt::join(kAll, ", ")))
       ->check(CLI::IsMember(std::vector<std::string>(kAll.begin(), kAll.end())))
       ->type_name("NAME");
-  sub->add_flag("--quick", options->quick, "Small meshes and few rounds, to see that it runs");
-  sub->add_option("--frames", options->frames, "Frames of each sequence or scene; without, as many as it has")
+  sub->add_flag("--quick", options->quick, "Small meshes and few rounds: a quick check");
+  sub->add_option("--frames", options->frames, "Frames of each sequence or scene; by default all of them")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{100'000}))
       ->type_name("N");
-  sub->add_option("--scene", options->scenes, "Of simulation only these scenes")->type_name("NAME");
-  sub->add_option("--scale", options->scale, "Of simulation: one of the sizes that scenes have, as paper")
-      ->type_name("NAME");
+  sub->add_option("--scene", options->scenes, "simulation: only these scenes")->type_name("NAME");
+  sub->add_option("--scale", options->scale, "simulation: a scale of the scenes, such as paper")->type_name("NAME");
   return {sub, &options->common, [options] {
             run_bench(*options);
             return kDone;

@@ -32,8 +32,8 @@ constexpr const char* kCheckExample =
     "\n"
     "Exit status 1: there are collisions.\n"
     "\n"
-    "In JSON, `triangle_pairs` are pairs of numbers of triangles, from 0, in the order of the file; of a tetrahedral "
-    "mesh, in the order of `triangles`, which lists their vertices. `contacts` says of each pair whether it is "
+    "In JSON, `triangle_pairs` are pairs of triangle numbers, from 0, in the order of the file; of a tetrahedral "
+    "mesh, in the order of `triangles`, which lists their vertices. `contacts` gives the kind of each pair: "
     "crossing, touching or a coplanar overlap. With --segments, `segments` has for each pair the ends of what both "
     "triangles have in common, or null where they overlap in one plane. With --to, `vertex_face` are pairs of a vertex "
     "and a triangle, `edge_edge` the vertices of two edges, and `free_step` is the largest fraction of the step "
@@ -146,11 +146,11 @@ int run_check(const CheckOptions& options) {
   outputs.expect(options.common.json, inputs);
   outputs.expect(options.vtu, inputs);
   if (options.adjacent && !options.end_mesh.empty())
-    throw Error("--adjacent", "says nothing about a step", "leave it out, or --to");
+    throw Error("--adjacent", "has no meaning for a step", "leave out this option or --to");
   if (options.segments && !options.end_mesh.empty())
-    throw Error("--segments", "says nothing about a step", "leave it out, or --to");
+    throw Error("--segments", "has no meaning for a step", "leave out this option or --to");
   if (options.segments && options.common.json.empty())
-    throw Error("--segments", "says nothing without --json", "add --json FILE");
+    throw Error("--segments", "has no effect without --json", "add --json FILE");
   if (!options.vtu.empty() && std::filesystem::path(options.vtu).extension() != ".vtu")
     throw Error(options.vtu, "--vtu writes .vtu files only", "give it that extension");
   auto [file, end] = read_poses(options);
@@ -172,23 +172,23 @@ Command add_check(CLI::App& app) {
   CLI::App* sub =
       add_subcommand(app, "check",
                      "Finds the self-collisions of a surface, or of the boundary of a tetrahedral mesh: all "
-                     "pairs of triangles that meet, exactly. Exit status 1: there are some.",
+                     "pairs of triangles that meet, exactly. Exit status 1 if there are any.",
                      kCheckExample);
   sub->add_option("mesh", options->mesh, "Mesh file")->required()->type_name("MESH");
   sub->add_option("--to", options->end_mesh,
-                  "Find what meets while each vertex moves on a straight line from MESH to the same mesh in MESH1: "
-                  "vertices and faces, edges and edges")
+                  "Find pairs (vertex and face, edge and edge) that meet while each vertex moves on a straight line "
+                  "from MESH to MESH1, the same mesh in another pose")
       ->type_name("MESH1");
   sub->add_option(
          "--method", options->method,
-         fmt::format("How pairs are culled: {}. All but three give every pair; for comparison, dual-cone, "
-                     "dual-cone-internal and enhanced-dual-cone-published are as in their papers and may miss some",
+         fmt::format("How pairs are culled: {}. dual-cone, dual-cone-internal and "
+                     "enhanced-dual-cone-published follow their papers and may miss pairs; all others find every pair",
                      fmt::join(culling_method_names(), ", ")))
       ->type_name("NAME");
   sub->add_flag("--adjacent", options->adjacent,
                 "Also triangles that share a vertex or an edge and meet anywhere else");
   sub->add_flag("--segments", options->segments,
-                "In JSON also what the triangles of each pair have in common: the two ends of a segment");
+                "In JSON also the segment that the triangles of each pair share, by its two ends");
   sub->add_option("--vtu", options->vtu, "Write the surface with the colliding triangles marked, for ParaView")
       ->type_name("FILE.vtu");
   return {sub, &options->common, [options] { return run_check(*options); }};

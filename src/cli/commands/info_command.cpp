@@ -32,8 +32,8 @@ constexpr const char* kInfoExample =
     "  selvage info octopus.vtu\n"
     "  selvage info octopus.vtu --json - | jq .volume\n"
     "\n"
-    "The radius ratio of an element is 1 where it is regular and 0 where it is flat. Inverted elements are inside out; "
-    "around an overwound ridge the elements turn more than once. What that means for shortest paths is said in "
+    "The radius ratio of an element is 1 where it is regular and 0 where it is flat. Inverted elements have negative "
+    "volume. Around an overwound ridge the elements turn more than once. For their effect on shortest paths see "
     "docs/how_it_works/boundary_path.md.";
 
 std::int64_t count_unused(const IndexedMesh& file) {
@@ -131,7 +131,7 @@ void print_info(const Json& info) {
   const auto quality = [&](const char* which) { return info["quality"][which].get<double>(); };
   table.add("bounding box", fmt::format("from {} to {}", corner("lower"), corner("upper")));
   table.add(info.contains("tetrahedra") ? "dihedral angles" : "angles",
-            fmt::format("{:.2f} to {:.2f} degrees; the smallest of an element {:.2f} on average",
+            fmt::format("{:.2f} to {:.2f} degrees; the smallest angle of an element is {:.2f} on average",
                         quality("smallest_angle"), quality("largest_angle"), quality("mean_smallest_angle")));
   table.add("radius ratio", fmt::format("{:.4f} at worst, {:.4f} on average", quality("worst_radius_ratio"),
                                         quality("mean_radius_ratio")));
@@ -171,10 +171,11 @@ void run_info(const InfoOptions& options) {
 
 Command add_info(CLI::App& app) {
   auto options = std::make_shared<InfoOptions>();
-  CLI::App* sub = add_subcommand(app, "info",
-                                 "Says what a mesh file holds: counts, boundary, components, inverted and degenerate "
-                                 "elements, overwound ridges, bounding box, quality.",
-                                 kInfoExample);
+  CLI::App* sub =
+      add_subcommand(app, "info",
+                     "Prints the contents of a mesh file: counts, boundary, components, inverted and degenerate "
+                     "elements, overwound ridges, bounding box, quality.",
+                     kInfoExample);
   sub->add_option("mesh", options->mesh, "Mesh file")->required()->type_name("MESH");
   return {sub, &options->common, [options] {
             run_info(*options);

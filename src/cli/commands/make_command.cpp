@@ -30,7 +30,7 @@ constexpr const char* kMakeExample =
     "  selvage make octopus --elements 30000 --pose swirl -o octopus.vtu\n"
     "  selvage make rod --length 8 --pose self-crossing,crossings=1 -o noodle.t\n"
     "\n"
-    "Shapes, with what they take and take by default:\n"
+    "Shapes, with their options and defaults:\n"
     "  box           --size 1 1 1\n"
     "  beam          --size 6 0.5 0.5\n"
     "  rod           --length 6 --radius 0.25\n"
@@ -44,7 +44,7 @@ constexpr const char* kMakeExample =
     "  octopus       --radius 1 --seed 1 --slenderness 1\n"
     "  cloth         --size 2 2\n"
     "\n"
-    "Poses, likewise; without an axis, the longest one of the mesh:\n"
+    "Poses, with their defaults; without an axis, the longest one of the mesh:\n"
     "  twist,turns=1   bend,turns=1.25   fold,angle=4.2   self-crossing,crossings=2\n"
     "  swirl,turns=0.15,core=0.5   overlap: a copy, a third of its size away";
 
@@ -111,8 +111,8 @@ void run_make(MakeOptions& options) {
 
 void add_measures(CLI::App& app, MakeOptions& options) {
   ShapeOptions& m = options.measures;
-  app.add_option("--elements", m.elements, "Number of elements, about")->type_name("N");
-  app.add_option("--cell", m.cell, "Edge length of an element, about [m]")
+  app.add_option("--elements", m.elements, "Approximate number of elements")->type_name("N");
+  app.add_option("--cell", m.cell, "Approximate edge length [m]")
       ->excludes(app.get_option("--elements"))
       ->type_name("D");
   app.add_option("--size", options.size, "Box, beam: three lengths; cloth: two [m]")
@@ -125,7 +125,7 @@ void add_measures(CLI::App& app, MakeOptions& options) {
       ->check(CLI::IsMember({"straight", "trefoil", "nested-knot", "coil"}))
       ->type_name("NAME");
   app.add_option("--tentacles", m.tentacles, "Squishy ball: how many")->type_name("N");
-  app.add_option("--seed", m.seed, "Octopus, squishy ball: another number, another shape")->type_name("N");
+  app.add_option("--seed", m.seed, "Octopus, squishy ball: seed of the random shape")->type_name("N");
   app.add_option("--slenderness", m.slenderness, "Octopus, squishy ball: from 1, thinner arms and longer tentacles")
       ->type_name("S");
 }
@@ -150,7 +150,7 @@ Command add_make(CLI::App& app) {
       ->expected(1)
       ->type_name("POSE");
   auto* ascii = sub->add_flag("--ascii", options->ascii, "Write text where the format has text and binary");
-  sub->add_flag("--binary", options->binary, "Write binary where the format has both, as by default but for .off")
+  sub->add_flag("--binary", options->binary, "Write binary where the format has both; the default, except for .off")
       ->excludes(ascii);
   return {sub, &options->common, [options] {
             run_make(*options);

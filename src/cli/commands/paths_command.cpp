@@ -38,7 +38,7 @@ constexpr const char* kPathsExample =
     "Columns of CSV and JSON; in the plane b2 is empty:\n"
     "  query              vertex; with --points: number of the point, from 0\n"
     "  x,y,z              the point [m]\n"
-    "  element            the element it is taken to be in; empty: it is in none\n"
+    "  element            the element that contains it; empty: none does\n"
     "  found              1; or 0: no path, or the point is not in the element;\n"
     "                     then the columns of the answer are empty\n"
     "  face,face_id       vertices of the boundary face, and its number\n"
@@ -47,13 +47,13 @@ constexpr const char* kPathsExample =
     "  feature            face, edge or vertex: where it lies\n"
     "  nx,ny,nz           outward normal there\n"
     "  volumes,faces,culled,traversals,elements\n"
-    "                     what the search visited";
+    "                     counters of the search";
 
-/// The direction from the mesh to the eye, of length 1.
+/// The direction from the mesh to the camera, of length 1.
 Vec3 view_direction(const PathsOptions& options) {
   const Vec3 view(options.view[0], options.view[1], options.view[2]);
   const double largest = view.cwiseAbs().maxCoeff();
-  if (!view.allFinite() || largest == 0) throw Error("--view", "is no direction", "give three numbers, not all 0");
+  if (!view.allFinite() || largest == 0) throw Error("--view", "is not a direction", "give three numbers, not all 0");
   return (view / largest).normalized();
 }
 
@@ -72,7 +72,7 @@ void expect_outputs(const PathsOptions& options, OutputFiles& outputs) {
   check_extension(options.picture, "--picture", ".png");
   if (!options.view.empty()) view_direction(options);
   if (options.picture.empty() && (!options.view.empty() || options.picture_size != kPictureSize))
-    throw Error(options.view.empty() ? "--picture-size" : "--view", "says nothing without --picture",
+    throw Error(options.view.empty() ? "--picture-size" : "--view", "has no effect without --picture",
                 "add --picture FILE.png");
 }
 
@@ -155,9 +155,11 @@ void print_summary(const PathsOptions& options, const SearchResult& result, cons
   }
   const MeshDefects& d = result.defects;
   if (d.inverted_elements + d.degenerate_elements > 0) {
-    table.add("inverted, flat",
-              fmt::format("{}, {} elements: answers that pass through them follow rules, not the proof",
-                          grouped(d.inverted_elements), grouped(d.degenerate_elements)));
+    table.add(
+        "inverted, flat",
+        fmt::format("{}, {} elements: paths through them follow the rules for inverted elements, which no theorem "
+                    "covers",
+                    grouped(d.inverted_elements), grouped(d.degenerate_elements)));
   }
   std::string times;
   for (const auto& [phase, seconds] : watch.laps()) times += fmt::format("{} {}, ", phase, readable_seconds(seconds));
@@ -214,7 +216,7 @@ Command add_paths(CLI::App& app) {
       ->required()
       ->type_name("MESH");
   sub->add_option("--points", options->points,
-                  "Points to ask for, one x,y,z or x,y,z,element a line; without an element, one answer for every "
+                  "Query points: x,y,z or x,y,z,element on each line; without an element, one answer for every "
                   "element that contains the point; - is standard input")
       ->type_name("FILE.csv");
   sub->add_option("--csv", options->csv, "Write the answers as CSV; - is standard output")->type_name("FILE");
@@ -224,8 +226,8 @@ Command add_paths(CLI::App& app) {
   auto* size = sub->add_option("--picture-size", options->picture_size,
                                "Width and height, from 64 to 8192 [pixels] (1600 1000)");
   size->expected(2)->check(CLI::Range(64, 8192))->type_name("W H");
-  sub->add_option("--view", options->view, "Direction from the mesh to the eye")->expected(3)->type_name("X Y Z");
-  sub->add_flag("--planar", options->planar, "Insist on a mesh of triangles in the plane z = 0");
+  sub->add_option("--view", options->view, "Direction from the mesh to the camera")->expected(3)->type_name("X Y Z");
+  sub->add_flag("--planar", options->planar, "Require a mesh of triangles in the plane z = 0");
   sub->add_flag("--no-culling", options->no_culling, "Search without infeasible-region culling; same answers");
   return {sub, &options->common, [options] {
             run_paths(*options);

@@ -41,7 +41,7 @@ IndexedMesh read_solid(const std::string& path) {
 std::vector<Vec3> read_rest(const std::string& path, const IndexedMesh& mesh) {
   IndexedMesh rest = read_solid(path);
   if (rest.positions.size() != mesh.positions.size() || rest.tetrahedra != mesh.tetrahedra)
-    throw Error(path, "has other vertices or elements than the mesh", "give the same mesh in another pose");
+    throw Error(path, "differs from the mesh in its vertices or elements", "give the same mesh in another pose");
   return std::move(rest.positions);
 }
 
@@ -56,7 +56,7 @@ std::vector<Index> find_pinned(const ResolveCommandOptions& options, const Index
     const Vec3& p = mesh.positions[v];
     if ((p.array() >= a.cwiseMin(b).array()).all() && (p.array() <= a.cwiseMax(b).array()).all()) pinned.push_back(v);
   }
-  if (pinned.size() == before) throw Error("--pin-box", "holds no vertex", "see `selvage info` for where the mesh is");
+  if (pinned.size() == before) throw Error("--pin-box", "contains no vertex", "`selvage info` prints the bounding box");
   return pinned;
 }
 
@@ -152,7 +152,7 @@ std::string failure_of(const ResolveCommandOptions& options, const ResolveReport
   const auto &elements = report.tangled_elements, &pinned = report.holding_vertices;
   if (report.outcome == ResolveOutcome::kHeld)
     return fmt::format(
-        "{}: cannot be resolved with these pins: what they hold meets itself, or is inverted, at {} elements: {}; pin "
+        "{}: cannot be resolved with these pins: pinned parts collide or are inverted, at {} elements: {}; pin "
         "less",
         options.mesh, elements.size(), listed(elements));
   const ResolveIteration& last = report.iterations.back();
@@ -214,29 +214,32 @@ void run_resolve(ResolveCommandOptions& options) {
 
 Command add_resolve(CLI::App& app) {
   auto options = std::make_shared<ResolveCommandOptions>();
-  CLI::App* sub = add_subcommand(app, "resolve",
-                                 "Moves a tangled mesh of tetrahedra, at rest, to a state without self-collision, and "
-                                 "leaves it as it is where it is not tangled.",
-                                 kResolveExample);
+  CLI::App* sub =
+      add_subcommand(app, "resolve",
+                     "Moves a tangled tetrahedral mesh until nothing meets. Parts that are not tangled keep "
+                     "their shape.",
+                     kResolveExample);
   sub->add_option("mesh", options->mesh, "Mesh file")->required()->type_name("MESH");
   sub->add_option("-o,--output", options->output, "Mesh file to write; its extension tells the format")
       ->required()
       ->type_name("OUT");
-  sub->add_option("--rest", options->rest, "The same mesh without stress; without it, the mesh as it is")
+  sub->add_option("--rest", options->rest, "The same mesh in its stress-free shape; without this option, MESH itself")
       ->type_name("MESH");
   sub->add_option("--pin", options->pin, "Vertices that must not move: one number a line")->type_name("FILE");
   sub->add_option("--pin-box", options->pin_box, "Two corners of a box whose vertices must not move [m]")
       ->expected(6)
       ->type_name("X Y Z X Y Z");
-  sub->add_option("--max-displacement", options->limits.max_displacement, "How far a vertex may go, in all [m]")
+  sub->add_option("--max-displacement", options->limits.max_displacement,
+                  "Largest distance of a vertex from its start [m]")
       ->type_name("D");
   sub->add_option("--clearance", options->limits.clearance,
-                  "How close what met may come again, as a part of the boundary's mean edge length (0.05)")
+                  "Smallest distance between surfaces that met, in mean edge lengths of the boundary (0.05)")
       ->type_name("C");
-  sub->add_option("--iterations", options->limits.max_iterations, "At most so many (2000)")
+  sub->add_option("--iterations", options->limits.max_iterations, "Largest number of iterations (2000)")
       ->check(CLI::Range(1, 1'000'000))
       ->type_name("N");
-  sub->add_option("--patience", options->limits.patience, "Iterations without progress that mean: stuck (60)")
+  sub->add_option("--patience", options->limits.patience,
+                  "Iterations without progress after which the attempt is stuck (60)")
       ->check(CLI::Range(1, 1'000'000))
       ->type_name("N");
   return {sub, &options->common, [options] {

@@ -31,7 +31,7 @@ constexpr const char* kSimulateExample =
     "                           numpy.fromfile(name, '<f4', offset=64).reshape(-1, 3)\n"
     "  topology.bin             elements, body of each vertex, boundary faces\n"
     "  statistics.csv           a row a frame: contacts, paths, penetration, seconds\n"
-    "  checkpoint.bin           what --resume continues from\n"
+    "  checkpoint.bin           the state that --resume continues from\n"
     "and at the end summary.json. Scenes and files are explained in docs/guides/simulate.md.";
 
 std::string frames_a_minute(double frames, double seconds) {
@@ -152,11 +152,11 @@ Command add_simulate(CLI::App& app) {
   sub->add_option("-o,--output", options->folder, "Folder of the run; made if it is not there")
       ->required()
       ->type_name("DIR");
-  sub->add_option("--frames", options->frames, "Number of frames, instead of the scene's; with --resume in all")
+  sub->add_option("--frames", options->frames, "Number of frames in place of the scene's; with --resume the total")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{1'000'000}))
       ->type_name("N");
   sub->add_flag("--resume", options->resume, "Continue the run in the folder from its last frame, if it has one");
-  sub->add_option("--scale", options->scale, "One of the sizes that the scene has, as paper")->type_name("NAME");
+  sub->add_option("--scale", options->scale, "A scale of the scene, such as paper")->type_name("NAME");
   sub->add_flag("--vtu", options->vtu, "Also write vtu/frame_*.vtu and frames.pvd, for ParaView");
   sub->add_option("--surface", options->surface, "Also write the boundary: surface/frame_*.ply or .obj")
       ->check(CLI::IsMember({"ply", "obj"}))

@@ -136,9 +136,9 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error) {
     const auto option = std::find_if(extras.begin(), extras.end(), [](const auto& word) { return word[0] == '-'; });
     if (option != extras.end()) return fmt::format("there is no option '{}'", *option);
     if (parsed.empty()) return fmt::format("there is no command '{}'", extras.front());
-    return fmt::format("'{}' is one argument too many", extras.front());
+    return fmt::format("unexpected argument '{}'", extras.front());
   }
-  if (parsed.empty()) return "no command is named";
+  if (parsed.empty()) return "no command given";
   const std::string what = error.what();
   constexpr std::string_view kUnreadable = "Could not convert: ";
   const std::size_t value = what.find(" = ");
@@ -146,7 +146,7 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error) {
     const std::string name = what.substr(kUnreadable.size(), value - kUnreadable.size());
     const CLI::Option* option = parsed[0]->get_option_no_throw(name);
     const bool whole = option != nullptr && value_name(*option) == "N";
-    return fmt::format("{}: '{}' is no {}number", name, what.substr(value + 3), whole ? "whole " : "");
+    return fmt::format("{}: '{}' is not a {}number", name, what.substr(value + 3), whole ? "whole " : "");
   }
   return what;
 }

@@ -87,7 +87,7 @@ void OutputFiles::expect(const std::string& path, const std::vector<fs::path>& i
   }
   if (is_special(path)) return;
   const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
-  if (!fs::is_directory(folder)) throw Error(path, "the folder of this output does not exist", "make it first");
+  if (!fs::is_directory(folder)) throw Error(path, "the folder does not exist", "create it first");
   if (fs::is_directory(path)) throw Error(path, "is a folder", "name a file");
   if (access(folder.c_str(), W_OK) != 0) throw Error(path, "the folder of this output cannot be written to");
   const fs::path place = normal_path(path);
@@ -95,7 +95,7 @@ void OutputFiles::expect(const std::string& path, const std::vector<fs::path>& i
     if (normal_path(input) == place) throw Error(path, "would replace an input file", "choose another name");
   }
   if (std::find(expected_.begin(), expected_.end(), place) != expected_.end()) {
-    throw Error(path, "is named for two outputs", "choose two names");
+    throw Error(path, "is given for two outputs", "choose two names");
   }
   expected_.push_back(place);
 }

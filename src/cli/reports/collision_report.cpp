@@ -200,9 +200,9 @@ void print_summary(const CollisionReport& report, const Stopwatch& watch) {
     const auto most = std::max_element(counts.begin(), counts.end());
     const auto [lower, upper] = place_of(report);
     table.add("triangles in pairs",
-              fmt::format("{}; most, {}, at triangle {}",
+              fmt::format("{}; triangle {} is in the most: {}",
                           grouped(std::count_if(counts.begin(), counts.end(), [](std::int64_t n) { return n > 0; })),
-                          grouped(*most), most - counts.begin()));
+                          most - counts.begin(), grouped(*most)));
     table.add("where", fmt::format("from {:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g} m", lower[0], lower[1], lower[2],
                                    upper[0], upper[1], upper[2]));
   }
