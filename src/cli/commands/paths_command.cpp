@@ -38,7 +38,7 @@ constexpr const char* kPathsExample =
     "Columns of CSV and JSON; in the plane b2 is empty:\n"
     "  query              vertex; with --points: number of the point, from 0\n"
     "  x,y,z              the point [m]\n"
-    "  element            the element that contains it; empty: none does\n"
+    "  element            the element it is taken to be in; empty: none\n"
     "  found              1; or 0: no path, or the point is not in the element;\n"
     "                     then the columns of the answer are empty\n"
     "  face,face_id       vertices of the boundary face, and its number\n"
