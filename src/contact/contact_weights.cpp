@@ -4,6 +4,14 @@
 
 namespace selvage {
 
+Vec3 offset_of(const Contact& contact, std::span<const Vec3> positions) {
+  return weighted_sum(contact, [&](Index v) { return positions[static_cast<std::size_t>(v)]; });
+}
+
+double gap_of(const Contact& contact, std::span<const Vec3> positions) {
+  return contact.normal.dot(offset_of(contact, positions));
+}
+
 void add_weight(Contact& contact, Index vertex, double weight) {
   if (weight == 0) return;
   const auto end = contact.vertices.begin() + contact.count;

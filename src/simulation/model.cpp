@@ -5,7 +5,13 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+
 namespace selvage {
+
+bool is_in_range(const Vec3& position) {
+  return (position.array().abs() <= std::numeric_limits<float>::max()).all();
+}
 
 namespace {
 

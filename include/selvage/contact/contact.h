@@ -36,17 +36,10 @@ struct Contact {
 };
 
 /// Sum of weights[i] * x[vertices[i]]: where the point is, seen from the surface [m].
-inline Vec3 offset_of(const Contact& contact, std::span<const Vec3> positions) {
-  Vec3 offset = Vec3::Zero();
-  for (std::size_t i = 0; i < contact.count; ++i)
-    offset += contact.weights[i] * positions[static_cast<std::size_t>(contact.vertices[i])];
-  return offset;
-}
+Vec3 offset_of(const Contact& contact, std::span<const Vec3> positions);
 
 /// Left side of the inequality: negative where the point is behind the surface [m].
-inline double gap_of(const Contact& contact, std::span<const Vec3> positions) {
-  return contact.normal.dot(offset_of(contact, positions));
-}
+double gap_of(const Contact& contact, std::span<const Vec3> positions);
 
 /// Which detection finds contacts.
 enum class DetectionMode : std::uint8_t {

@@ -4,7 +4,6 @@
 #include "selvage/elasticity/material.h"
 #include "selvage/mesh/simplex_mesh.h"
 
-#include <limits>
 #include <string>
 
 namespace selvage {
@@ -41,9 +40,7 @@ struct State {
 };
 
 /// Whether a position is finite, also in the single precision in which frames hold it.
-inline bool is_in_range(const Vec3& position) {
-  return (position.array().abs() <= std::numeric_limits<float>::max()).all();
-}
+bool is_in_range(const Vec3& position);
 
 /// The model at time 0 in given positions, its bodies at their initial velocities.
 /// @throws Error  when sizes differ or a position is not finite

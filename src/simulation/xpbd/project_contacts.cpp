@@ -1,5 +1,7 @@
 #include "simulation/xpbd/project_contacts.h"
 
+#include "contact/contact_weights.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -23,7 +25,7 @@ Eigen::Map<Eigen::Vector3d> position(StepVertex& vertex) {
 /// kept all the same.
 ///
 /// Where vertices move the point by little, since the others on its side are held or since the point and the surface
-/// have them in common, the contact is closed in part only.
+/// have them in common, the contact is not closed completely.
 class ContactSides {
  public:
   ContactSides(const Contact& contact, std::span<StepVertex> vertices) : contact_(contact), vertices_(vertices) {
@@ -71,16 +73,19 @@ bool is_path(ContactKind kind) {
   return kind == ContactKind::kVertexPath || kind == ContactKind::kEdgePath || kind == ContactKind::kCentroidPath;
 }
 
-Vec3 offset_of_rows(const Contact& contact, std::span<StepVertex> vertices) {
-  Vec3 offset = Vec3::Zero();
-  for (int i = 0; i < contact.count; ++i) offset += contact.weights[i] * position(vertices[contact.vertices[i]]);
-  return offset;
+/// As offset_of(), here so that it is inlined.
+Vec3 offset_between(const Contact& contact, std::span<const Vec3> positions) {
+  return weighted_sum(contact, [&](Index v) { return positions[v]; });
+}
+
+Vec3 offset_between(const Contact& contact, std::span<StepVertex> vertices) {
+  return weighted_sum(contact, [&](Index v) { return position(vertices[v]); });
 }
 
 void project_contact(const Contact& contact, const Step& step, std::span<const double> max_corrections,
                      const Friction& friction, FrictionState& friction_state, std::span<Vec3> ejected,
                      std::span<StepVertex> vertices) {
-  const Vec3 offset = offset_of_rows(contact, vertices);
+  const Vec3 offset = offset_between(contact, vertices);
   double depth = -contact.normal.dot(offset);
   if (!(depth > 0)) return;
   double max_correction = max_corrections[contact.vertices[0]];
@@ -89,13 +94,13 @@ void project_contact(const Contact& contact, const Step& step, std::span<const d
   if (is_path(contact.kind)) {
     depth = std::min(depth, max_correction);
   } else {
-    depth += std::clamp(gap_of(contact, step.positions), 0.0, kContactGap * max_correction);
+    depth += std::clamp(contact.normal.dot(offset_between(contact, step.positions)), 0.0, kContactGap * max_correction);
   }
   ContactSides sides(contact, vertices);
   if (!sides.can_move()) return;
   const Vec3 out = depth * contact.normal;
-  const Vec3 displacement = offset + out - offset_of(contact, step.positions);
-  const Vec3 drift = step.length() * offset_of(contact, step.velocities);
+  const Vec3 displacement = offset + out - offset_between(contact, step.positions);
+  const Vec3 drift = step.length() * offset_between(contact, step.velocities);
   sides.move_apart(out + friction_correction(displacement, drift, contact.normal, depth, friction, friction_state));
   if (is_path(contact.kind)) sides.visit_moves(out, [&](Index v, const Vec3& move) { ejected[v] += move; });
 }
@@ -111,7 +116,7 @@ void project_contacts(std::span<const Contact> contacts, const Step& step, std::
 
 void push_apart(std::span<const Contact> contacts, const Push& push, std::span<StepVertex> vertices) {
   for (const Contact& contact : contacts) {
-    const double gap = contact.normal.dot(offset_of_rows(contact, vertices));
+    const double gap = contact.normal.dot(offset_between(contact, vertices));
     const double depth = std::min(push.clearance - gap, push.max_correction);
     ContactSides sides(contact, vertices);
     if (depth > 0 && sides.can_move()) sides.move_apart(depth * contact.normal);
