@@ -156,14 +156,7 @@ template <int kSteps>
 CulledPairs cull_by_enhanced_dual_cones(const Bvh& bvh, SurfacePieces& pieces,
                                         const typename SurfaceCones<kSteps>::Poses& poses,
                                         PlanarEmbeddingTest<kSteps>& test) {
-  using Workspace = typename PlanarEmbeddingTest<kSteps>::Workspace;
-  const SurfaceCones<kSteps> cones(bvh, pieces, poses);
-  test.place(pieces, poses);
-  CulledPairs culled;
-  cull_from_root<Workspace>(bvh, pieces, 1, culled, [&](Index node, Workspace& workspace) {
-    return passes_normal_cone_test<kSteps>(bvh, cones, test, node, ContourTest::kMonotoneRuns, workspace);
-  });
-  return culled;
+  return cull_by_normal_cones<kSteps>(ContourTest::kMonotoneRuns, bvh, pieces, poses, test);
 }
 
 template EnhancedDualConeResult test_enhanced_dual_cone<1>(const Bvh&, SurfacePieces&, const SurfaceCones<1>&,

@@ -32,8 +32,9 @@ template <int kSteps>
 CulledPairs cull_by_enhanced_dual_cones_as_published(bool simple_traversal, const Bvh& bvh, SurfacePieces& pieces,
                                                      const typename SurfaceCones<kSteps>::Poses& poses);
 
-/// `CullingMethod::kEnhancedDualCone`: EDC with conditions that suffice. The contour is compared edge by edge, but not
-/// within runs that advance along one direction; those take the place of the BNC. Misses no pair.
+/// `CullingMethod::kEnhancedDualCone`: EDC with conditions that suffice. They are those of the normal cone test, but
+/// contour edges are not compared within runs that advance along one direction; the runs take the place of the BNC.
+/// Misses no pair.
 ///
 /// @param test  memory to use again for every pose
 template <int kSteps>

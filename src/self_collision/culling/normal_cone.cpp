@@ -1,9 +1,14 @@
 #include "self_collision/culling/normal_cone.h"
 
+#include "self_collision/culling/surface_cones.h"
+
 #include <numbers>
 
 namespace selvage {
 
+namespace {
+
+/// True is certain. The cones tell where the test can pass; they decide nothing, because their rounding is not bounded.
 template <int kSteps>
 bool passes_normal_cone_test(const Bvh& bvh, const SurfaceCones<kSteps>& cones, const PlanarEmbeddingTest<kSteps>& test,
                              Index node, ContourTest contour,
@@ -14,8 +19,10 @@ bool passes_normal_cone_test(const Bvh& bvh, const SurfaceCones<kSteps>& cones, 
   return test.do_triangles_face(node, plane) && test.is_contour_embedded(node, plane, workspace, contour);
 }
 
+}  // namespace
+
 template <int kSteps>
-CulledPairs cull_by_normal_cones(const Bvh& bvh, SurfacePieces& pieces,
+CulledPairs cull_by_normal_cones(ContourTest contour, const Bvh& bvh, SurfacePieces& pieces,
                                  const typename PlanarEmbeddingTest<kSteps>::Poses& poses,
                                  PlanarEmbeddingTest<kSteps>& test) {
   using Workspace = typename PlanarEmbeddingTest<kSteps>::Workspace;
@@ -23,18 +30,14 @@ CulledPairs cull_by_normal_cones(const Bvh& bvh, SurfacePieces& pieces,
   test.place(pieces, poses);
   CulledPairs culled;
   cull_from_root<Workspace>(bvh, pieces, 1, culled, [&](Index node, Workspace& workspace) {
-    return passes_normal_cone_test<kSteps>(bvh, cones, test, node, ContourTest::kAllEdges, workspace);
+    return passes_normal_cone_test<kSteps>(bvh, cones, test, node, contour, workspace);
   });
   return culled;
 }
 
-template bool passes_normal_cone_test<1>(const Bvh&, const SurfaceCones<1>&, const PlanarEmbeddingTest<1>&, Index,
-                                         ContourTest, PlanarEmbeddingTest<1>::Workspace&);
-template bool passes_normal_cone_test<2>(const Bvh&, const SurfaceCones<2>&, const PlanarEmbeddingTest<2>&, Index,
-                                         ContourTest, PlanarEmbeddingTest<2>::Workspace&);
-template CulledPairs cull_by_normal_cones<1>(const Bvh&, SurfacePieces&, const PlanarEmbeddingTest<1>::Poses&,
-                                             PlanarEmbeddingTest<1>&);
-template CulledPairs cull_by_normal_cones<2>(const Bvh&, SurfacePieces&, const PlanarEmbeddingTest<2>::Poses&,
-                                             PlanarEmbeddingTest<2>&);
+template CulledPairs cull_by_normal_cones<1>(ContourTest, const Bvh&, SurfacePieces&,
+                                             const PlanarEmbeddingTest<1>::Poses&, PlanarEmbeddingTest<1>&);
+template CulledPairs cull_by_normal_cones<2>(ContourTest, const Bvh&, SurfacePieces&,
+                                             const PlanarEmbeddingTest<2>::Poses&, PlanarEmbeddingTest<2>&);
 
 }  // namespace selvage

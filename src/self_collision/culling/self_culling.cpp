@@ -15,7 +15,7 @@ CulledPairs cull_self_pairs(const SelfCollisionOptions& options, const Bvh& bvh,
     case CullingMethod::kBvh:
       return {};
     case CullingMethod::kNormalCone:
-      return cull_by_normal_cones<kSteps>(bvh, pieces, poses, test);
+      return cull_by_normal_cones<kSteps>(ContourTest::kAllEdges, bvh, pieces, poses, test);
     case CullingMethod::kDualCone:
       return cull_by_dual_cones<kSteps>(ContourEdges::kBorder, bvh, pieces, poses);
     case CullingMethod::kDualConeInternal:
