@@ -6,7 +6,7 @@ namespace selvage {
 
 namespace {
 
-/// Part of a vertex's shortest edge by which one projection moves it at most.
+/// Fraction of a vertex's shortest edge by which one projection moves it at most.
 constexpr double kMaxCorrection = 0.25;
 
 }  // namespace

@@ -13,11 +13,11 @@ struct Step {
   double length() const { return end_time - start_time; }
 };
 
-/// Largest distance by which one projection sends each vertex out of a body: a part of its shortest edge at rest [m]; 0
-/// without an element. O(n).
+/// Largest distance by which one projection sends each vertex out of a body: a fraction of its shortest edge at rest
+/// [m]; 0 without an element. O(n).
 std::vector<double> max_corrections_of(const Model& model);
 
-/// Part of a vertex's largest correction by which a contact keeps it in front of a surface.
+/// Fraction of a vertex's largest correction by which a contact keeps it in front of a surface.
 inline constexpr double kContactGap = 0.01;
 
 }  // namespace selvage

@@ -13,7 +13,7 @@ namespace {
 
 using namespace bodies;
 
-/// A box with one element more, as long as all of it: so few parts touch only the next.
+/// A box with one element more, as long as all of it: so few slices touch only the next.
 IndexedMesh make_strapped_box() {
   IndexedMesh box = make_box({2, 1, 1}, 0.1);
   const Vec3 ends[] = {box.positions.front(), box.positions.back()};
@@ -41,9 +41,9 @@ template <typename Batch>
 std::vector<Index> vertices_at(const MaterialBlocks& blocks, const MaterialBlock& block, const Batch& batch, int lane) {
   std::vector<Index> vertices;
   const Index count = block.last_vertex - block.first_vertex;
-  for (const auto& rows : batch.rows) {
-    const Index place = rows[lane] / kRowLength;
-    EXPECT_EQ(rows[lane] % kRowLength, 0);
+  for (const auto& offsets : batch.offsets) {
+    const Index place = offsets[lane] / kCopyLength;
+    EXPECT_EQ(offsets[lane] % kCopyLength, 0);
     EXPECT_LT(place, count + 4);
     if (place < count) vertices.push_back(blocks.vertices[block.first_vertex + place]);
   }
@@ -101,17 +101,17 @@ TEST(Blocks, HoldEveryElementAndEdgeOnce) {
   }
 }
 
-TEST(Blocks, OfOtherPartsOfTheirColourShareNoVertex) {
+TEST(Blocks, OfOtherSubdomainsOfTheirColourShareNoVertex) {
   for (const Model& model : models()) {
     const MaterialBlocks blocks = make_material_blocks(model);
-    EXPECT_EQ(blocks.part_first.back(), std::ssize(blocks.blocks));
-    EXPECT_EQ(blocks.colour_first.back() + 1, std::ssize(blocks.part_first));
+    EXPECT_EQ(blocks.subdomain_first.back(), std::ssize(blocks.blocks));
+    EXPECT_EQ(blocks.colour_first.back() + 1, std::ssize(blocks.subdomain_first));
     for (Index colour = 0; colour < blocks.colour_count(); ++colour) {
-      std::map<Index, Index> part_of;
-      for (Index part = blocks.colour_first[colour]; part < blocks.colour_first[colour + 1]; ++part)
-        for (Index b = blocks.part_first[part]; b < blocks.part_first[part + 1]; ++b)
+      std::map<Index, Index> subdomain_of;
+      for (Index subdomain = blocks.colour_first[colour]; subdomain < blocks.colour_first[colour + 1]; ++subdomain)
+        for (Index b = blocks.subdomain_first[subdomain]; b < blocks.subdomain_first[subdomain + 1]; ++b)
           for (Index i = blocks.blocks[b].first_vertex; i < blocks.blocks[b].last_vertex; ++i)
-            ASSERT_EQ(part_of.emplace(blocks.vertices[i], part).first->second, part);
+            ASSERT_EQ(subdomain_of.emplace(blocks.vertices[i], subdomain).first->second, subdomain);
     }
   }
 }
@@ -175,7 +175,8 @@ TEST(Blocks, HaveColoursOfEqualNumbersOfParts) {
     EXPECT_EQ(per_colour % 2, 0);
     EXPECT_TRUE(blocks.colour_count() == 2 || blocks.colour_count() == 4);
     const auto blocks_of = [&](Index colour) {
-      return blocks.part_first[blocks.colour_first[colour + 1]] - blocks.part_first[blocks.colour_first[colour]];
+      return blocks.subdomain_first[blocks.colour_first[colour + 1]] -
+             blocks.subdomain_first[blocks.colour_first[colour]];
     };
     for (Index colour = 0; colour < blocks.colour_count(); ++colour) {
       EXPECT_EQ(blocks.colour_first[colour + 1] - blocks.colour_first[colour], per_colour);
@@ -187,17 +188,18 @@ TEST(Blocks, HaveColoursOfEqualNumbersOfParts) {
 TEST(Blocks, OfASmallBodyAreASingleOne) {
   const MaterialBlocks blocks = make_material_blocks(make(make_box({1, 1, 1}, 0.25), neo_hookean(1e5)));
   EXPECT_EQ(blocks.blocks.size(), 1);
-  EXPECT_EQ(blocks.part_first.size(), 2);
+  EXPECT_EQ(blocks.subdomain_first.size(), 2);
 }
 
-TEST(ElementRanges, KnowWhichPartAPlaceIsIn) {
+TEST(ElementRanges, KnowWhichSliceAPlaceIsIn) {
   for (const Index size : {1, 7, 64, 1000})
     for (const Index count : {1, 2, 3, 7}) {
       Index end = 5;
-      for (Index part = 0; part < count; ++part) {
-        const ElementRange run = ElementRange{5, 5 + size}.part(part, count);
+      for (Index slice = 0; slice < count; ++slice) {
+        const ElementRange run = ElementRange{5, 5 + size}.slice(slice, count);
         EXPECT_EQ(run.first, end);
-        for (Index i = run.first; i < run.last; ++i) EXPECT_EQ((ElementRange{5, 5 + size}.part_of(i - 5, count)), part);
+        for (Index i = run.first; i < run.last; ++i)
+          EXPECT_EQ((ElementRange{5, 5 + size}.slice_of(i - 5, count)), slice);
         end = run.last;
       }
       EXPECT_EQ(end, 5 + size);

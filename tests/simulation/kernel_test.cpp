@@ -150,27 +150,27 @@ class Twin {
   Twin(const Model& model, const MaterialBlocks& blocks, double time_step) : model_(model), step_(time_step) {
     for (const MaterialBlock& block : blocks.blocks) {
       const Material& material = model.bodies[block.body].material;
-      const auto vertex = [&](int row) {
-        const Index place = block.first_vertex + row / kRowLength;
+      const auto vertex = [&](int offset) {
+        const Index place = block.first_vertex + offset / kCopyLength;
         return place < block.last_vertex ? blocks.vertices[place] : kNone;
       };
       for (Index n = block.first_edge_batch; n < block.last_edge_batch; ++n)
         for (int lane = 0; lane < kBatch; ++lane)
           add(spring(blocks.edges[n].length[lane], material.edge_compliance / (step_ * step_)),
-              {vertex(blocks.edges[n].rows[0][lane]), vertex(blocks.edges[n].rows[1][lane])}, material);
+              {vertex(blocks.edges[n].offsets[0][lane]), vertex(blocks.edges[n].offsets[1][lane])}, material);
       for (Index n = block.first_element_batch; n < block.last_element_batch; ++n)
         for (int lane = 0; lane < kBatch; ++lane) {
-          const auto& of = blocks.elements[n].rows;
+          const auto& of = blocks.elements[n].offsets;
           add_element({vertex(of[0][lane]), vertex(of[1][lane]), vertex(of[2][lane]), vertex(of[3][lane])}, material);
         }
     }
   }
 
-  void solve(std::vector<StepVertex>& rows, const std::vector<StepVertex>& start, int iterations) {
+  void solve(std::vector<StepVertex>& vertices, const std::vector<StepVertex>& start, int iterations) {
     std::vector<double> multipliers(constraints_.size(), 0);
     for (int iteration = 0; iteration < iterations; ++iteration)
       for (std::size_t n = 0; n < constraints_.size(); ++n)
-        solve_one(constraints_[n], damping_[n], multipliers[n], rows, start);
+        solve_one(constraints_[n], damping_[n], multipliers[n], vertices, start);
   }
 
  private:
@@ -203,27 +203,27 @@ class Twin {
     add(second, vertices, material);
   }
 
-  static std::vector<Vec3> gather(const std::vector<StepVertex>& rows, const std::vector<Index>& vertices) {
+  static std::vector<Vec3> gather(const std::vector<StepVertex>& all, const std::vector<Index>& vertices) {
     std::vector<Vec3> x;
-    for (const Index v : vertices) x.push_back(Eigen::Map<const Eigen::Vector3d>(rows[v].position));
+    for (const Index v : vertices) x.push_back(Eigen::Map<const Eigen::Vector3d>(all[v].position));
     return x;
   }
 
-  static void solve_one(const Constraint& c, double damping, double& multiplier, std::vector<StepVertex>& rows,
+  static void solve_one(const Constraint& c, double damping, double& multiplier, std::vector<StepVertex>& vertices,
                         const std::vector<StepVertex>& start) {
-    const std::vector<Vec3> x = gather(rows, c.vertices), gradients = c.gradients(x);
+    const std::vector<Vec3> x = gather(vertices, c.vertices), gradients = c.gradients(x);
     double residual = c.value(x) + c.compliance * multiplier, weight = 0;
     const std::vector<Vec3> from = gather(start, c.vertices);
     for (std::size_t i = 0; i < x.size(); ++i) {
       residual += damping * gradients[i].dot(x[i] - from[i]);
-      weight += rows[c.vertices[i]].inverse_mass * gradients[i].squaredNorm();
+      weight += vertices[c.vertices[i]].inverse_mass * gradients[i].squaredNorm();
     }
     const double bound = 0.25 * residual * residual * c.rest_weight;
     const double change = -residual / ((1 + damping) * weight + c.compliance + bound);
     multiplier += change;
     for (std::size_t i = 0; i < x.size(); ++i) {
-      StepVertex& row = rows[c.vertices[i]];
-      for (int axis = 0; axis < 3; ++axis) row.position[axis] += row.inverse_mass * change * gradients[i][axis];
+      StepVertex& vertex = vertices[c.vertices[i]];
+      for (int axis = 0; axis < 3; ++axis) vertex.position[axis] += vertex.inverse_mass * change * gradients[i][axis];
     }
   }
 
@@ -237,13 +237,13 @@ class Twin {
 std::vector<StepVertex> shaken(const Model& model, double reach, unsigned seed) {
   std::mt19937 engine(seed);
   std::uniform_real_distribution<double> uniform(-reach, reach);
-  std::vector<StepVertex> rows;
+  std::vector<StepVertex> vertices;
   for (Index v = 0; v < model.mesh.vertex_count(); ++v) {
     const Vec3& p = model.rest_positions[v];
     const double x = p[0] + uniform(engine), y = p[1] + uniform(engine), z = p[2] + uniform(engine);
-    rows.push_back({{x, y, z}, v % 17 == 0 ? 0 : model.inverse_masses[v]});
+    vertices.push_back({{x, y, z}, v % 17 == 0 ? 0 : model.inverse_masses[v]});
   }
-  return rows;
+  return vertices;
 }
 
 class Kernel : public testing::TestWithParam<Material> {};
@@ -264,15 +264,15 @@ void compare_with_twin(const Model& model) {
     std::vector<StepVertex> first;
     for (const Variant& variant : variants()) {
       MaterialSolver solver(model, time_step);
-      std::vector<StepVertex> rows = before;
-      solver.solve(rows, start, 0, iterations, variant.solve);
+      std::vector<StepVertex> vertices = before;
+      solver.solve(vertices, start, 0, iterations, variant.solve);
       double worst = 0;
-      for (std::size_t v = 0; v < rows.size(); ++v)
+      for (std::size_t v = 0; v < vertices.size(); ++v)
         for (int axis = 0; axis < 3; ++axis)
-          worst = std::max(worst, std::abs(rows[v].position[axis] - expected[v].position[axis]));
+          worst = std::max(worst, std::abs(vertices[v].position[axis] - expected[v].position[axis]));
       EXPECT_LT(worst, 1e-9) << variant.name << ", reach " << reach;
-      if (first.empty()) first = rows;
-      EXPECT_EQ(std::memcmp(rows.data(), first.data(), sizeof(StepVertex) * rows.size()), 0) << variant.name;
+      if (first.empty()) first = vertices;
+      EXPECT_EQ(std::memcmp(vertices.data(), first.data(), sizeof(StepVertex) * vertices.size()), 0) << variant.name;
     }
   }
 }
@@ -293,10 +293,10 @@ TEST(Kernel, LeavesPinnedAndCollapsedElementsFinite) {
     const Model model = make(make_box({0.2, 0.2, 0.2}, 0.1), material);
     MaterialSolver solver(model, 1.0 / 300);
     for (const bool pinned : {false, true}) {
-      std::vector<StepVertex> rows(model.mesh.vertex_count(), {{0.5, 0.5, 0.5}, pinned ? 0.0 : 1.0});
-      solver.solve(rows, rows, 0, 3);
-      for (const StepVertex& row : rows)
-        for (const double x : row.position) ASSERT_TRUE(std::isfinite(x));
+      std::vector<StepVertex> vertices(model.mesh.vertex_count(), {{0.5, 0.5, 0.5}, pinned ? 0.0 : 1.0});
+      solver.solve(vertices, vertices, 0, 3);
+      for (const StepVertex& vertex : vertices)
+        for (const double x : vertex.position) ASSERT_TRUE(std::isfinite(x));
     }
   }
 }

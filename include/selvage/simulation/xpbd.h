@@ -83,8 +83,8 @@ class XpbdSolver {
   const StepStatistics& statistics() const;
 
  private:
-  struct Parts;
-  std::unique_ptr<Parts> parts_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace selvage

@@ -45,24 +45,24 @@ class BodyCutter {
     });
   }
 
-  std::vector<BodyPart> cut(std::vector<Index>& ordered) {
+  std::vector<Subdomain> cut(std::vector<Index>& ordered) {
     const ElementRange all = {0, body_.element_count};
     sort(all, axes_[0]);
-    const Index slabs = count_parts(all, kMaxSlabs), columns = slabs < kMinUncutSlabs ? cut_columns(all, slabs) : 1;
-    std::vector<BodyPart> parts;
+    const Index slabs = count_slices(all, kMaxSlabs), columns = slabs < kMinUncutSlabs ? cut_columns(all, slabs) : 1;
+    std::vector<Subdomain> subdomains;
     for (Index slab = 0; slab < slabs; ++slab)
       for (Index column = 0; column < columns; ++column) {
-        const ElementRange run = all.part(slab, slabs).part(column, columns);
-        parts.push_back({body_.first_element + run.first, body_.first_element + run.last,
-                         columns == 1 ? slab % 2 : 2 * (slab % 2) + column % 2});
+        const ElementRange run = all.slice(slab, slabs).slice(column, columns);
+        subdomains.push_back({body_.first_element + run.first, body_.first_element + run.last,
+                              columns == 1 ? slab % 2 : 2 * (slab % 2) + column % 2});
       }
-    parallel_for(std::ssize(parts), 1, [&](std::int64_t i) {
-      std::sort(places_.begin() + parts[i].first - body_.first_element,
-                places_.begin() + parts[i].last - body_.first_element,
+    parallel_for(std::ssize(subdomains), 1, [&](std::int64_t i) {
+      std::sort(places_.begin() + subdomains[i].first - body_.first_element,
+                places_.begin() + subdomains[i].last - body_.first_element,
                 [](const Place& a, const Place& b) { return a.key != b.key ? a.key < b.key : a.element < b.element; });
     });
     for (Index i = 0; i < body_.element_count; ++i) ordered[body_.first_element + i] = places_[i].element;
-    return parts;
+    return subdomains;
   }
 
  private:
@@ -88,15 +88,15 @@ class BodyCutter {
   Index cut_columns(const ElementRange& all, Index slabs) {
     Index columns = kMaxSlabs;
     for (Index slab = 0; slab < slabs; ++slab) {
-      sort(all.part(slab, slabs), axes_[1]);
-      columns = std::min(columns, count_parts(all.part(slab, slabs), columns));
+      sort(all.slice(slab, slabs), axes_[1]);
+      columns = std::min(columns, count_slices(all.slice(slab, slabs), columns));
     }
     return columns;
   }
 
-  /// Largest number of parts of a run that each hold a block and touch their neighbours alone: two or a multiple of
-  /// four, so that threads share the parts of each colour evenly.
-  Index count_parts(const ElementRange& run, Index max_count) {
+  /// Largest number of slices of a run that each hold a block and touch their neighbours alone: two or a multiple of
+  /// four, so that threads share the subdomains of each colour evenly.
+  Index count_slices(const ElementRange& run, Index max_count) {
     visit_extents(run, [](Extent& extent, Index place) {
       if (extent.first == kNone) extent.first = place;
       extent.last = place;
@@ -107,7 +107,7 @@ class BodyCutter {
     });
     for (Index count = std::min(run.size() / kBlockElements, max_count); count > 1; --count)
       if ((count == 2 || count % 4 == 0) && std::all_of(extents.begin(), extents.end(), [&](const Extent& extent) {
-            return run.part_of(extent.last, count) - run.part_of(extent.first, count) <= 1;
+            return run.slice_of(extent.last, count) - run.slice_of(extent.first, count) <= 1;
           }))
         return count;
     return 1;
@@ -129,7 +129,7 @@ class BodyCutter {
 
 }  // namespace
 
-std::vector<BodyPart> cut_body(const Model& model, const Body& body, std::vector<Index>& ordered) {
+std::vector<Subdomain> cut_body(const Model& model, const Body& body, std::vector<Index>& ordered) {
   if (body.element_count == 0) return {};
   return BodyCutter(model, body).cut(ordered);
 }

@@ -21,34 +21,34 @@ SELVAGE_INLINE WideDouble constant(double x) {
 }
 
 /// The vertices of the block that is being solved, and those that stand in for missing ones.
-struct BlockRows {
+struct BlockVertices {
   /// A cache line: a damped material needs both.
-  struct alignas(64) Row {
+  struct alignas(64) Copy {
     StepVertex now, start;
   };
-  Row rows[kBlockRows];
+  Copy copies[kMaxBlockVertices];
 
-  SELVAGE_INLINE const double* of_now() const { return rows->now.position; }
-  SELVAGE_INLINE double* of_now() { return rows->now.position; }
-  SELVAGE_INLINE const double* of_start() const { return rows->start.position; }
+  SELVAGE_INLINE const double* of_now() const { return copies->now.position; }
+  SELVAGE_INLINE double* of_now() { return copies->now.position; }
+  SELVAGE_INLINE const double* of_start() const { return copies->start.position; }
 
   template <bool kDamped>
   void load(const MaterialTask& task, std::span<const Index> vertices) {
     for (std::size_t i = 0; i < vertices.size(); ++i) {
-      rows[i].now = task.vertices[vertices[i]];
-      if constexpr (kDamped) rows[i].start = task.start[vertices[i]];
+      copies[i].now = task.vertices[vertices[i]];
+      if constexpr (kDamped) copies[i].start = task.start[vertices[i]];
     }
     for (int k = 0; k < 4; ++k) {
       const StepVertex missing = {{double(k == 1), double(k == 2), double(k == 3)}, 0};
-      rows[vertices.size() + k] = {missing, missing};
+      copies[vertices.size() + k] = {missing, missing};
     }
   }
 
   void store(const MaterialTask& task, std::span<const Index> vertices) const {
-    for (std::size_t i = 0; i < vertices.size(); ++i) task.vertices[vertices[i]] = rows[i].now;
+    for (std::size_t i = 0; i < vertices.size(); ++i) task.vertices[vertices[i]] = copies[i].now;
   }
 };
-static_assert(sizeof(BlockRows::Row) == sizeof(double) * kRowLength);
+static_assert(sizeof(BlockVertices::Copy) == sizeof(double) * kCopyLength);
 
 /// A constraint of as many elements as there are lanes, while it is solved.
 struct Constraint {
@@ -56,7 +56,7 @@ struct Constraint {
   Wide3 gradients[3];  ///< of vertices 1 to 3
   Wide3 sum;           ///< of them: the gradient of vertex 0 the other way
   WideDouble residual;
-  WideDouble rate;            ///< the residual's part by damping
+  WideDouble rate;            ///< the residual's share by damping
   WideDouble squared, value;  ///< deviatoric: C^2 and C
   WideDouble scale;           ///< vertices move against their gradients by so much, times inverse mass
 };
@@ -65,27 +65,27 @@ struct Constraint {
 struct Corners {
   WideDouble x[4][4];  ///< position and inverse mass
 
-  SELVAGE_INLINE Corners(const BlockRows& rows, const ElementBatch& batch, int part) {
+  SELVAGE_INLINE Corners(const BlockVertices& copies, const ElementBatch& batch, int lane) {
     // Written out: a loop over so much would stay one.
-    load_rows(rows.of_now(), batch.rows[0] + part, x[0]);
-    load_rows(rows.of_now(), batch.rows[1] + part, x[1]);
-    load_rows(rows.of_now(), batch.rows[2] + part, x[2]);
-    load_rows(rows.of_now(), batch.rows[3] + part, x[3]);
+    load_rows(copies.of_now(), batch.offsets[0] + lane, x[0]);
+    load_rows(copies.of_now(), batch.offsets[1] + lane, x[1]);
+    load_rows(copies.of_now(), batch.offsets[2] + lane, x[2]);
+    load_rows(copies.of_now(), batch.offsets[3] + lane, x[3]);
   }
 
   /// The same, and the edges at the start of the step: each offset is used twice while it is in a register.
-  SELVAGE_INLINE Corners(const BlockRows& rows, const ElementBatch& batch, int part, Wide3 (&start)[3]) {
+  SELVAGE_INLINE Corners(const BlockVertices& copies, const ElementBatch& batch, int lane, Wide3 (&start)[3]) {
     WideDouble first[4];
-    load_rows(rows.of_now(), batch.rows[0] + part, x[0]);
-    load_rows(rows.of_start(), batch.rows[0] + part, first);
-    load_with_edge(rows, batch.rows[1] + part, first, x[1], start[0]);
-    load_with_edge(rows, batch.rows[2] + part, first, x[2], start[1]);
-    load_with_edge(rows, batch.rows[3] + part, first, x[3], start[2]);
+    load_rows(copies.of_now(), batch.offsets[0] + lane, x[0]);
+    load_rows(copies.of_start(), batch.offsets[0] + lane, first);
+    load_with_edge(copies, batch.offsets[1] + lane, first, x[1], start[0]);
+    load_with_edge(copies, batch.offsets[2] + lane, first, x[2], start[1]);
+    load_with_edge(copies, batch.offsets[3] + lane, first, x[3], start[2]);
   }
 
   template <int kVertex>
-  SELVAGE_INLINE void store(double* rows, const ElementBatch& batch, int part) const {
-    store_rows(x[kVertex], rows, batch.rows[kVertex] + part);
+  SELVAGE_INLINE void store(double* copies, const ElementBatch& batch, int lane) const {
+    store_rows(x[kVertex], copies, batch.offsets[kVertex] + lane);
   }
 
   SELVAGE_INLINE void list_edges(Wide3 (&edges)[3]) const {
@@ -109,11 +109,11 @@ struct Corners {
   }
 
  private:
-  SELVAGE_INLINE static void load_with_edge(const BlockRows& rows, const std::uint16_t* offsets,
+  SELVAGE_INLINE static void load_with_edge(const BlockVertices& copies, const std::uint16_t* offsets,
                                             const WideDouble (&first)[4], WideDouble (&now)[4], Wide3& edge) {
     WideDouble start[4];
-    load_rows(rows.of_now(), offsets, now);
-    load_rows(rows.of_start(), offsets, start);
+    load_rows(copies.of_now(), offsets, now);
+    load_rows(copies.of_start(), offsets, start);
     for (int i = 0; i < 3; ++i) edge[i] = start[i] - first[i];
   }
 };
@@ -136,12 +136,12 @@ SELVAGE_INLINE WideDouble weigh_gradients(const Corners& corners, const Wide3 (&
   return corners.weigh(dot(sum, sum), squares);
 }
 
-/// Fetches as much of a batch as two parts of it are, from `part` on.
-SELVAGE_INLINE void fetch(const ElementBatch& batch, int part) {
+/// Fetches as much of a batch as two registers hold, from `lane` on.
+SELVAGE_INLINE void fetch(const ElementBatch& batch, int lane) {
   constexpr int kBytes = sizeof(ElementBatch) / kBatch;
 #pragma GCC unroll 32
   for (int at = 0; at < 2 * WideDouble::kLanes * kBytes; at += 64)
-    prefetch(reinterpret_cast<const char*>(&batch) + part * kBytes + at);
+    prefetch(reinterpret_cast<const char*>(&batch) + lane * kBytes + at);
 }
 
 /// Solves the deviatoric and the hydrostatic constraint of elements one after the other. XPBD, with one term more in
@@ -151,26 +151,27 @@ SELVAGE_INLINE void fetch(const ElementBatch& batch, int part) {
 template <bool kDeviatoric, bool kDamped, bool kFirst>
 class ElementSolver {
  public:
-  SELVAGE_INLINE ElementSolver(BlockRows& rows, const MaterialStep& step) : rows_(rows) {
+  SELVAGE_INLINE ElementSolver(BlockVertices& copies, const MaterialStep& step) : copies_(copies) {
     deviatoric_ = constant(step.deviatoric);
     hydrostatic_ = constant(step.hydrostatic);
     damping_ = constant(step.damping);
     share_ = constant(1 + step.damping);
   }
 
-  /// Two parts of a batch, in turns. A constraint ends in a chain of operations that wait for one another, and the
-  /// processor has few places for what waits: when all that moves and stores vertices stands behind the chain, it takes
-  /// in nothing else. So between the end of a chain and what needs it there is always work of the other part. Stores
-  /// have few places, too: those of the first part are spread, and the next batch is fetched where nothing is stored.
-  SELVAGE_INLINE void solve(ElementBatch& batch, int first_part, int second_part, const ElementBatch& next) const {
-    Elements a(rows_, batch, first_part);
+  /// Two registers' elements of a batch, in turns. A constraint ends in a chain of operations that wait for one
+  /// another, and the processor has few places for what waits: when all that moves and stores vertices stands behind
+  /// the chain, it takes in nothing else. So between the end of a chain and what needs it there is always work of the
+  /// other. Stores have few places, too: those of the first are spread, and the next batch is fetched where nothing is
+  /// stored.
+  SELVAGE_INLINE void solve(ElementBatch& batch, int first_lane, int second_lane, const ElementBatch& next) const {
+    Elements a(copies_, batch, first_lane);
     begin_first(a);
-    Elements b(rows_, batch, second_part);
+    Elements b(copies_, batch, second_lane);
     end_first(a);
     begin_first(b);
     move_after_first(a);
     end_first(b);
-    fetch(next, first_part);
+    fetch(next, first_lane);
     if constexpr (kDeviatoric) begin_hydrostatic(a);
     if constexpr (kDeviatoric) end_hydrostatic(a);
     finish<0>(a);
@@ -183,10 +184,10 @@ class ElementSolver {
     finish_all(b);
   }
 
-  /// One part alone. Not inlined: that would cost the other registers.
-  [[gnu::noinline]] void solve(ElementBatch& batch, int part, const ElementBatch& next) const {
-    fetch(next, part);
-    Elements a(rows_, batch, part);
+  /// The elements of one register alone. Not inlined: that would cost the other registers.
+  [[gnu::noinline]] void solve(ElementBatch& batch, int lane, const ElementBatch& next) const {
+    fetch(next, lane);
+    Elements a(copies_, batch, lane);
     begin_first(a);
     end_first(a);
     move_after_first(a);
@@ -199,16 +200,17 @@ class ElementSolver {
   /// As many as there are lanes, while they are solved.
   struct Elements {
     ElementBatch& batch;
-    int part;
+    int lane;
     Wide3 start[3];  ///< edges at the start of the step
     Corners corners;
     WideDouble weight;  ///< what the gradients of a constraint weigh at rest
     Constraint constraint;
 
-    SELVAGE_INLINE Elements(const BlockRows& rows, ElementBatch& b, int p) : batch(b), part(p), corners(load(rows)) {}
+    SELVAGE_INLINE Elements(const BlockVertices& copies, ElementBatch& b, int l)
+        : batch(b), lane(l), corners(load(copies)) {}
 
-    SELVAGE_INLINE WideDouble gram(int i) const { return WideDouble::load(batch.gram[i] + part); }
-    SELVAGE_INLINE WideDouble inverse_volume() const { return WideDouble::load(batch.inverse_volume + part); }
+    SELVAGE_INLINE WideDouble gram(int i) const { return WideDouble::load(batch.gram[i] + lane); }
+    SELVAGE_INLINE WideDouble inverse_volume() const { return WideDouble::load(batch.inverse_volume + lane); }
 
     SELVAGE_INLINE void weigh_rest() {
       const Wide3 diagonal = {gram(0), gram(1), gram(2)};
@@ -217,11 +219,11 @@ class ElementSolver {
     }
 
    private:
-    SELVAGE_INLINE Corners load(const BlockRows& rows) {
+    SELVAGE_INLINE Corners load(const BlockVertices& copies) {
       if constexpr (kDamped)
-        return Corners(rows, batch, part, start);
+        return Corners(copies, batch, lane, start);
       else
-        return Corners(rows, batch, part);
+        return Corners(copies, batch, lane);
     }
   };
 
@@ -250,7 +252,7 @@ class ElementSolver {
     }
   }
 
-  /// The residual's part by damping.
+  /// The residual's share by damping.
   SELVAGE_INLINE WideDouble damp(const Elements& of) const {
     const auto& [edges, gradients, sum, residual, rate, squared, value, scale] = of.constraint;
     const auto of_edge = [&, &edges = edges, &gradients = gradients](int k) {
@@ -288,7 +290,7 @@ class ElementSolver {
     sum = sum_of(gradients);
     const WideDouble stiffness = weigh_gradients(of.corners, gradients, sum);
     const WideDouble compliance = deviatoric_ * of.inverse_volume();
-    double* const multiplier = of.batch.multipliers[0] + of.part;
+    double* const multiplier = of.batch.multipliers[0] + of.lane;
     residual = squared;
     if constexpr (!kFirst) residual = residual + value * (compliance * WideDouble::load(multiplier));
     if constexpr (kDamped) residual = residual + rate;
@@ -304,7 +306,7 @@ class ElementSolver {
     list_areas(edges, areas);
     residual = of.inverse_volume() * dot(edges[0], areas[0]) - constant(1);
     if constexpr (!kFirst)
-      residual = residual + hydrostatic_compliance(of) * WideDouble::load(of.batch.multipliers[1] + of.part);
+      residual = residual + hydrostatic_compliance(of) * WideDouble::load(of.batch.multipliers[1] + of.lane);
     if constexpr (kDamped) residual = residual + of.inverse_volume() * damp(of);
   }
 
@@ -316,7 +318,7 @@ class ElementSolver {
     const WideDouble denominator = (kDamped ? share_ * stiffness : stiffness) + hydrostatic_compliance(of) +
                                    constant(0.25) * (residual * residual) * of.weight;
     const WideDouble by = residual / max(denominator, constant(kMinDenominator));
-    reduce_multiplier(of.batch.multipliers[1] + of.part, by);
+    reduce_multiplier(of.batch.multipliers[1] + of.lane, by);
     scale = by * inverse_volume;
   }
 
@@ -329,7 +331,7 @@ class ElementSolver {
   template <int kVertex>
   SELVAGE_INLINE void finish(Elements& of) const {
     of.corners.template move<kVertex>(of.constraint);
-    of.corners.template store<kVertex>(rows_.of_now(), of.batch, of.part);
+    of.corners.template store<kVertex>(copies_.of_now(), of.batch, of.lane);
   }
 
   SELVAGE_INLINE void finish_all(Elements& of) const {
@@ -344,7 +346,7 @@ class ElementSolver {
     (before - by).store(multiplier);
   }
 
-  BlockRows& rows_;
+  BlockVertices& copies_;
   WideDouble deviatoric_, hydrostatic_, damping_, share_;
 };
 

@@ -26,17 +26,17 @@ struct PackedPiece {
   Index vertex_count() const { return static_cast<Index>(vertices.size()); }
 };
 
-/// Where a row begins, by its number.
-std::uint16_t row_at(Index number) {
-  return static_cast<std::uint16_t>(kRowLength * number);
+/// Where the copy of a vertex begins, by its number.
+std::uint16_t offset_at(Index number) {
+  return static_cast<std::uint16_t>(kCopyLength * number);
 }
-static_assert(kRowLength * kBlockRows <= std::numeric_limits<std::uint16_t>::max());
+static_assert(kCopyLength * kMaxBlockVertices <= std::numeric_limits<std::uint16_t>::max());
 
 class BlockMaker {
  public:
   explicit BlockMaker(const Model& model) : model_(model), ordered_(model.mesh.element_count()) {
     for (Index b = 0; b < std::ssize(model.bodies); ++b)
-      for (const BodyPart& part : cut_body(model, model.bodies[b], ordered_)) cut_part(b, part);
+      for (const Subdomain& subdomain : cut_body(model, model.bodies[b], ordered_)) cut_subdomain(b, subdomain);
     piece_of_.resize(ordered_.size());
     parallel_for(std::ssize(pieces_), 16, [&](std::int64_t p) {
       for (Index i = pieces_[p].first; i < pieces_[p].last; ++i) piece_of_[ordered_[i]] = static_cast<Index>(p);
@@ -52,13 +52,13 @@ class BlockMaker {
   }
 
  private:
-  void cut_part(Index body, const BodyPart& part) {
-    const ElementRange run = {part.first, part.last};
+  void cut_subdomain(Index body, const Subdomain& subdomain) {
+    const ElementRange run = {subdomain.first, subdomain.last};
     const Index count = std::max((run.size() + kBlockElements / 2) / kBlockElements, 1);
     const auto before = static_cast<Index>(pieces_.size());
-    for (Index i = 0; i < count; ++i) pieces_.push_back({body, run.part(i, count).first, run.part(i, count).last});
-    if (part.colour >= std::ssize(parts_)) parts_.resize(part.colour + 1);
-    parts_[part.colour].push_back({before, static_cast<Index>(pieces_.size())});
+    for (Index i = 0; i < count; ++i) pieces_.push_back({body, run.slice(i, count).first, run.slice(i, count).last});
+    if (subdomain.colour >= std::ssize(subdomains_)) subdomains_.resize(subdomain.colour + 1);
+    subdomains_[subdomain.colour].push_back({before, static_cast<Index>(pieces_.size())});
   }
 
   const VertexTuple<4>& element(Index place) const { return model_.mesh.elements()[ordered_[place]]; }
@@ -118,15 +118,15 @@ class BlockMaker {
 
   /// Decides where each block's batches go.
   void lay_out() {
-    for (const std::vector<ElementRange>& colour : parts_) {
-      result_.colour_first.push_back(static_cast<Index>(result_.part_first.size()));
-      for (const ElementRange& part : colour) {
-        result_.part_first.push_back(static_cast<Index>(order_.size()));
-        for (Index piece = part.first; piece < part.last; ++piece) order_.push_back(piece);
+    for (const std::vector<ElementRange>& colour : subdomains_) {
+      result_.colour_first.push_back(static_cast<Index>(result_.subdomain_first.size()));
+      for (const ElementRange& subdomain : colour) {
+        result_.subdomain_first.push_back(static_cast<Index>(order_.size()));
+        for (Index piece = subdomain.first; piece < subdomain.last; ++piece) order_.push_back(piece);
       }
     }
-    result_.colour_first.push_back(static_cast<Index>(result_.part_first.size()));
-    result_.part_first.push_back(static_cast<Index>(order_.size()));
+    result_.colour_first.push_back(static_cast<Index>(result_.subdomain_first.size()));
+    result_.subdomain_first.push_back(static_cast<Index>(order_.size()));
     Index vertices = 0, elements = 0, edges = 0;
     for (const Index piece : order_) {
       const PackedPiece& packed = packed_[piece];
@@ -165,10 +165,10 @@ class BlockMaker {
 
   void fill_element(ElementBatch& batch, int lane, Index number, const PackedPiece& packed) const {
     Eigen::Matrix3d edges = Eigen::Matrix3d::Identity();
-    for (int k = 0; k < 4; ++k) batch.rows[k][lane] = row_at(packed.vertex_count() + k);
+    for (int k = 0; k < 4; ++k) batch.offsets[k][lane] = offset_at(packed.vertex_count() + k);
     if (number != kNone) {
       const auto& corners = model_.mesh.elements()[number];
-      for (int k = 0; k < 4; ++k) batch.rows[k][lane] = row_at(packed.place_of(corners[k]));
+      for (int k = 0; k < 4; ++k) batch.offsets[k][lane] = offset_at(packed.place_of(corners[k]));
       for (int k = 0; k < 3; ++k) edges.col(k) = rest(corners[k + 1]) - rest(corners[0]);
     }
     const Eigen::Matrix3d inverse = edges.inverse(), gram = inverse * inverse.transpose();
@@ -179,23 +179,23 @@ class BlockMaker {
   }
 
   void fill_edge(EdgeBatch& batch, int lane, Index number, const PackedPiece& packed) const {
-    for (int k = 0; k < 2; ++k) batch.rows[k][lane] = row_at(packed.vertex_count() + k);
+    for (int k = 0; k < 2; ++k) batch.offsets[k][lane] = offset_at(packed.vertex_count() + k);
     batch.length[lane] = 1;
     batch.multiplier[lane] = 0;
     if (number == kNone) return;
     const auto& [a, b] = packed.edge_vertices[number];
-    batch.rows[0][lane] = row_at(packed.place_of(a));
-    batch.rows[1][lane] = row_at(packed.place_of(b));
+    batch.offsets[0][lane] = offset_at(packed.place_of(a));
+    batch.offsets[1][lane] = offset_at(packed.place_of(b));
     batch.length[lane] = (rest(b) - rest(a)).norm();
   }
 
   const Vec3& rest(Index v) const { return model_.rest_positions[v]; }
 
   const Model& model_;
-  std::vector<Index> ordered_;                    ///< elements
-  std::vector<Piece> pieces_;                     ///< ranges of them
-  std::vector<std::vector<ElementRange>> parts_;  ///< by colour: ranges of pieces
-  std::vector<Index> piece_of_;                   ///< (n_elements)
+  std::vector<Index> ordered_;                         ///< elements
+  std::vector<Piece> pieces_;                          ///< ranges of them
+  std::vector<std::vector<ElementRange>> subdomains_;  ///< by colour: ranges of pieces
+  std::vector<Index> piece_of_;                        ///< (n_elements)
   std::vector<PackedPiece> packed_;
   std::vector<Index> order_;  ///< the piece of each block
   MaterialBlocks result_;

@@ -6,7 +6,7 @@ namespace selvage {
 
 namespace {
 
-/// Least hydrostatic stiffness, as a part of the deviatoric one: without any the compliance would be infinite.
+/// Least hydrostatic stiffness, as a fraction of the deviatoric one: without any the compliance would be infinite.
 constexpr double kMinHydrostatic = 1e-12;
 
 MaterialStep prepare(const Material& material, double time_step) {
@@ -53,10 +53,10 @@ void MaterialSolver::solve(std::span<StepVertex> vertices, std::span<const StepV
                     .next_block = 0};
   for (int iteration = first; iteration < last; ++iteration) {
     task.is_first = iteration == 0;
-    parallel_phases(blocks_.colour_first, [&](Index part, Index next_part) {
-      MaterialTask of_part = task;
-      of_part.next_block = blocks_.part_first[next_part];
-      kernel(of_part, blocks_.part_first[part], blocks_.part_first[part + 1]);
+    parallel_phases(blocks_.colour_first, [&](Index subdomain, Index next_subdomain) {
+      MaterialTask of_subdomain = task;
+      of_subdomain.next_block = blocks_.subdomain_first[next_subdomain];
+      kernel(of_subdomain, blocks_.subdomain_first[subdomain], blocks_.subdomain_first[subdomain + 1]);
     });
   }
 }

@@ -16,7 +16,7 @@ constexpr int kMissedRounds = 3;
 
 }  // namespace
 
-struct XpbdSolver::Parts {
+struct XpbdSolver::Impl {
   XpbdOptions options;
   TimeStep time_step;
   MaterialSolver material;
@@ -24,8 +24,8 @@ struct XpbdSolver::Parts {
   std::vector<FrictionState> friction_states;  ///< (n_contacts)
   UserConstraint constraint;
 
-  Parts(const Model& model, const State& initial, std::vector<Handle> handles, std::span<const Collider> colliders,
-        const XpbdOptions& o)
+  Impl(const Model& model, const State& initial, std::vector<Handle> handles, std::span<const Collider> colliders,
+       const XpbdOptions& o)
       : options(o),
         time_step(model, initial, std::move(handles), colliders, options),
         material(model, options.time_step) {
@@ -45,8 +45,8 @@ struct XpbdSolver::Parts {
   /// Iterations from `first` to before `last`, without contacts in between.
   void iterate(int first, int last) {
     if (!constraint) return solve_material(first, last);
-    const std::span<StepVertex> rows = time_step.vertices();
-    const StepVertices vertices(rows.data()->position, static_cast<Index>(rows.size()));
+    const std::span<StepVertex> all = time_step.vertices();
+    const StepVertices vertices(all.data()->position, static_cast<Index>(all.size()));
     for (int iteration = first; iteration < last; ++iteration) {
       solve_material(iteration, iteration + 1);
       constraint(vertices, iteration);
@@ -90,27 +90,27 @@ struct XpbdSolver::Parts {
 
 XpbdSolver::XpbdSolver(const Model& model, const State& initial, std::vector<Handle> handles,
                        std::vector<Collider> colliders, const XpbdOptions& options)
-    : parts_(std::make_unique<Parts>(model, initial, std::move(handles), colliders, options)) {}
+    : impl_(std::make_unique<Impl>(model, initial, std::move(handles), colliders, options)) {}
 XpbdSolver::~XpbdSolver() = default;
 XpbdSolver::XpbdSolver(XpbdSolver&&) noexcept = default;
 XpbdSolver& XpbdSolver::operator=(XpbdSolver&&) noexcept = default;
 
 void XpbdSolver::set_constraint(UserConstraint constraint) {
-  parts_->constraint = std::move(constraint);
+  impl_->constraint = std::move(constraint);
 }
 
 void XpbdSolver::step(State& state, std::span<const Vec3> external_forces) {
   double seconds = 0;
-  timed(seconds, [&] { parts_->step(state, external_forces); });
-  parts_->statistics().seconds = seconds;
+  timed(seconds, [&] { impl_->step(state, external_forces); });
+  impl_->statistics().seconds = seconds;
 }
 
 std::span<const Contact> XpbdSolver::contacts() const {
-  return parts_->time_step.contacts();
+  return impl_->time_step.contacts();
 }
 
 const StepStatistics& XpbdSolver::statistics() const {
-  return parts_->time_step.statistics();
+  return impl_->time_step.statistics();
 }
 
 }  // namespace selvage
