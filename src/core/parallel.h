@@ -13,6 +13,7 @@
 #include <functional>
 #include <future>
 #include <mutex>
+#include <vector>
 
 namespace selvage {
 
@@ -100,6 +101,21 @@ Result parallel_reduce(std::int64_t count, std::int64_t grain, AddPiece&& add_pi
           return result;
         });
   }
+}
+
+/// The numbers in [0, count) for which `predicate(i)` holds, ascending; in parallel. For few: each is listed under a
+/// lock.
+template <typename Predicate>
+std::vector<std::int64_t> parallel_list_if(std::int64_t count, std::int64_t grain, Predicate&& predicate) {
+  std::vector<std::int64_t> found;
+  std::mutex listing;
+  parallel_for(count, grain, [&](std::int64_t i) {
+    if (!predicate(i)) return;
+    const std::lock_guard lock(listing);
+    found.push_back(i);
+  });
+  std::sort(found.begin(), found.end());
+  return found;
 }
 
 /// Calls both, in parallel.

@@ -68,6 +68,19 @@ TEST(Parallel, ReduceSeesEveryItemOnce) {
   }
 }
 
+TEST(Parallel, ListIfIsAscendingForAnyNumberOfThreads) {
+  const auto is_listed = [](std::int64_t i) { return i % 7 == 3; };
+  for (const std::int64_t count : {0, 3, 4, 54321}) {
+    std::vector<std::int64_t> expected;
+    for (std::int64_t i = 0; i < count; ++i)
+      if (is_listed(i)) expected.push_back(i);
+    for (const int threads : {1, 2, 4}) {
+      tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+      EXPECT_EQ(parallel_list_if(count, 10, is_listed), expected) << threads << " threads, " << count;
+    }
+  }
+}
+
 TEST(Parallel, InvokeCallsBoth) {
   int a = 0, b = 0;
   parallel_invoke([&] { a = 1; }, [&] { b = 2; });
