@@ -2,7 +2,7 @@
 
 #include "boundary_path/injectivity/vertex_proof.h"
 #include "boundary_path/location/group_order.h"
-#include "boundary_path/location/locator_state.h"
+#include "boundary_path/location/locator_impl.h"
 #include "boundary_path/packets/path_kernel.h"
 #include "boundary_path/search/boundary_corner.h"
 #include "core/isa.h"
@@ -47,15 +47,15 @@ double length_of(const Vec<D>& x) {
 }  // namespace
 
 template <int D>
-struct BoundaryPathFinder<D>::State {
+struct BoundaryPathFinder<D>::Impl {
   PathOptions options;
   PointLocator<D> locator;
-  LocatorState<D>& located;
+  LocatorImpl<D>& located;
   const SimplexMesh<D>& mesh = located.mesh;
   const PathTopology<D>& topology = located.topology;
   DeformedMesh<D>& pose = located.pose;
 
-  State(LocatorState<D>& state, PointLocator<D> l, PathOptions o) : options(o), locator(std::move(l)), located(state) {
+  Impl(LocatorImpl<D>& impl, PointLocator<D> l, PathOptions o) : options(o), locator(std::move(l)), located(impl) {
     pose.update_faces();
   }
 
@@ -75,8 +75,8 @@ struct BoundaryPathFinder<D>::State {
 };
 
 template <int D>
-void BoundaryPathFinder<D>::State::check(std::span<const PathQuery<D>> queries, std::span<const Index> warm_start,
-                                         std::size_t counters) const {
+void BoundaryPathFinder<D>::Impl::check(std::span<const PathQuery<D>> queries, std::span<const Index> warm_start,
+                                        std::size_t counters) const {
   if (!warm_start.empty() && warm_start.size() != queries.size())
     throw Error("warm_start", fmt::format("{} faces for {} queries", warm_start.size(), queries.size()),
                 "give one face per query, or none at all");
@@ -102,7 +102,7 @@ void BoundaryPathFinder<D>::State::check(std::span<const PathQuery<D>> queries, 
 /// Groups lie close together in space and in the material: where it overlaps itself, queries have near answers only if
 /// they are near some boundary face in the mesh, and that one is near the others'.
 template <int D>
-std::vector<Index> BoundaryPathFinder<D>::State::order_in_groups(std::span<const PathQuery<D>> queries) const {
+std::vector<Index> BoundaryPathFinder<D>::Impl::order_in_groups(std::span<const PathQuery<D>> queries) const {
   if (queries.size() <= kPacketSize) {
     std::vector<Index> order(queries.size());
     std::iota(order.begin(), order.end(), 0);
@@ -126,7 +126,7 @@ std::vector<Index> BoundaryPathFinder<D>::State::order_in_groups(std::span<const
     }
     for (std::size_t k = 0; k < some.size(); ++k) {
       PlacePair& place = places[first + k];
-      const Vec<D> p = located.to_internal(some[k].point) - pose.frame().origin;
+      const Vec<D> p = located.to_internal(some[k].point) - pose.box_origin().position;
       for (int i = 0; i < D; ++i) {
         place[0][i] = static_cast<float>(p[i]);
         if (near[k] != kNone) place[1][i] = pose.rounded_positions()[near[k]][i];
@@ -138,7 +138,7 @@ std::vector<Index> BoundaryPathFinder<D>::State::order_in_groups(std::span<const
 
 /// Area-weighted over the faces of the feature at this corner of the material; where they cancel, the face's own.
 template <int D>
-void BoundaryPathFinder<D>::State::set_normal(Index face, const PathResult<D>& result, Vec<D>& unit) const {
+void BoundaryPathFinder<D>::Impl::set_normal(Index face, const PathResult<D>& result, Vec<D>& unit) const {
   const auto normal_of = [&](Index f) { return face_normal(pose.positions(), topology.face_stars[f].vertices); };
   const auto set = [&](const Vec<D>& normal) {
     const double length = length_of<D>(normal);
@@ -159,8 +159,8 @@ void BoundaryPathFinder<D>::State::set_normal(Index face, const PathResult<D>& r
 }
 
 template <int D>
-void BoundaryPathFinder<D>::State::describe(const PathTask<D>& task, const PathResult<D>& result,
-                                            BoundaryPath<D>& path) const {
+void BoundaryPathFinder<D>::Impl::describe(const PathTask<D>& task, const PathResult<D>& result,
+                                           BoundaryPath<D>& path) const {
   path.status = result.status;
   path.barycentric.setZero();
   path.point.setZero();
@@ -183,13 +183,13 @@ template <int D>
 BoundaryPathFinder<D>::BoundaryPathFinder(const SimplexMesh<D>& mesh, std::span<const Vec<D>> positions,
                                           PathOptions options) {
   PointLocator<D> locator(mesh, positions);
-  LocatorState<D>& located = *locator.state_;
-  state_ = std::make_unique<State>(located, std::move(locator), options);
+  LocatorImpl<D>& located = *locator.impl_;
+  impl_ = std::make_unique<Impl>(located, std::move(locator), options);
 }
 
 template <int D>
 BoundaryPathFinder<D>::BoundaryPathFinder(PointLocator<D>& locator, PathOptions options)
-    : state_(std::make_unique<State>(*locator.state_, PointLocator<D>(locator.state_), options)) {}
+    : impl_(std::make_unique<Impl>(*locator.impl_, PointLocator<D>(locator.impl_), options)) {}
 
 template <int D>
 BoundaryPathFinder<D>::~BoundaryPathFinder() = default;
@@ -200,24 +200,24 @@ BoundaryPathFinder<D>& BoundaryPathFinder<D>::operator=(BoundaryPathFinder&&) no
 
 template <int D>
 void BoundaryPathFinder<D>::update(std::span<const Vec<D>> positions) {
-  state_->located.update(positions);
-  state_->pose.update_faces();
+  impl_->located.update(positions);
+  impl_->pose.update_faces();
 }
 
 template <int D>
 void BoundaryPathFinder<D>::update() {
-  state_->pose.update_faces();
+  impl_->pose.update_faces();
 }
 
 template <int D>
 void BoundaryPathFinder<D>::rebuild(std::span<const Vec<D>> positions) {
-  state_->located.rebuild(positions);
-  state_->pose.update_faces();
+  impl_->located.rebuild(positions);
+  impl_->pose.update_faces();
 }
 
 template <int D>
 const PointLocator<D>& BoundaryPathFinder<D>::locator() const {
-  return state_->locator;
+  return impl_->locator;
 }
 
 /// Queries in the order of the searches, and where the answers go.
@@ -235,9 +235,9 @@ struct PathWork {
 
 /// The batches that one thread takes.
 template <int D>
-class BoundaryPathFinder<D>::State::Batches final : public PathBatches<D> {
+class BoundaryPathFinder<D>::Impl::Batches final : public PathBatches<D> {
  public:
-  Batches(const State& state, PathWork<D>& work) : state_(state), work_(work) {}
+  Batches(const Impl& state, PathWork<D>& work) : impl_(state), work_(work) {}
 
   PathBatch<D> next() override {
     hand_in();
@@ -249,7 +249,7 @@ class BoundaryPathFinder<D>::State::Batches final : public PathBatches<D> {
     counters_.assign(work_.counters.empty() ? 0 : share_.size(), {});
     for (std::size_t i = 0; i < share_.size(); ++i) {
       tasks_[i].query = work_.queries[share_[i]];
-      for (double& x : tasks_[i].query.point) x = state_.located.to_internal(x);
+      for (double& x : tasks_[i].query.point) x = impl_.located.to_internal(x);
       tasks_[i].warm_start = work_.warm_start.empty() ? kNone : work_.warm_start[share_[i]];
     }
     return {tasks_, results_.data(), counters_.empty() ? nullptr : counters_.data()};
@@ -258,13 +258,13 @@ class BoundaryPathFinder<D>::State::Batches final : public PathBatches<D> {
  private:
   void hand_in() {
     for (std::size_t i = 0; i < share_.size(); ++i) {
-      state_.describe(tasks_[i], results_[i], work_.paths[share_[i]]);
+      impl_.describe(tasks_[i], results_[i], work_.paths[share_[i]]);
       if (!counters_.empty()) work_.counters[share_[i]] = counters_[i];
     }
     share_ = {};
   }
 
-  const State& state_;
+  const Impl& impl_;
   PathWork<D>& work_;
   std::span<const Index> share_;
   std::vector<PathTask<D>> tasks_;
@@ -276,11 +276,11 @@ template <int D>
 std::vector<BoundaryPath<D>> BoundaryPathFinder<D>::find_paths(std::span<const PathQuery<D>> queries,
                                                                std::span<const Index> warm_start,
                                                                std::span<PathCounters> counters) const {
-  state_->check_faces();
-  state_->check(queries, warm_start, counters.size());
-  const std::vector<Index> order = state_->order_in_groups(queries);
+  impl_->check_faces();
+  impl_->check(queries, warm_start, counters.size());
+  const std::vector<Index> order = impl_->order_in_groups(queries);
   std::vector<BoundaryPath<D>> paths(queries.size());
-  const PathInput<D> input = state_->input();
+  const PathInput<D> input = impl_->input();
   // Few queries in small batches, so that there is one for each core.
   constexpr std::int64_t kMaxGroups = 8, kBatches = 16;
   const std::int64_t groups = (std::ssize(order) + kPacketSize - 1) / kPacketSize;
@@ -293,7 +293,7 @@ std::vector<BoundaryPath<D>> BoundaryPathFinder<D>::find_paths(std::span<const P
   // Each thread takes batches until there is none left, and its memory from the first one on.
   const std::int64_t threads = std::min<std::int64_t>(work.batch_count(), tbb::this_task_arena::max_concurrency());
   parallel_for(threads, 1, [&](std::int64_t) {
-    typename State::Batches batches(*state_, work);
+    typename Impl::Batches batches(*impl_, work);
     SELVAGE_DISPATCH(search_paths, input, batches);
   });
   return paths;
@@ -306,9 +306,9 @@ BoundaryPath<D> BoundaryPathFinder<D>::find_path(const PathQuery<D>& query, Inde
 
 template <int D>
 NearbyItems BoundaryPathFinder<D>::find_faces_near(std::span<const std::array<Vec<D>, 2>> boxes) const {
-  state_->check_faces();
-  return find_near(state_->pose.faces(), std::ssize(boxes),
-                   [&](std::int64_t i) { return state_->located.box_around(boxes[i]); });
+  impl_->check_faces();
+  return find_near(impl_->pose.faces(), std::ssize(boxes),
+                   [&](std::int64_t i) { return impl_->located.box_around(boxes[i]); });
 }
 
 template class BoundaryPathFinder<2>;

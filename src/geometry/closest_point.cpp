@@ -81,7 +81,7 @@ bool is_exactly_flat(const Triangle& triangle) {
   return true;
 }
 
-/// For a needle or a sliver. Its longest edge gives a well-conditioned frame: the place along the edge is computed by
+/// For a needle or a sliver. Its longest edge gives a well-conditioned axis: the place along the edge is computed by
 /// itself, and an error in the weight of the apex, however large, moves the point only across the thin triangle.
 /// Whether the foot of the perpendicular is inside may be misjudged by rounding, so the edges are always candidates
 /// too.

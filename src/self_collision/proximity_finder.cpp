@@ -32,7 +32,7 @@ double distance_of(double squared) {
 
 }  // namespace
 
-struct ProximityFinder::State {
+struct ProximityFinder::Impl {
   const TriangleMesh& mesh;
   double distance;
   PairFilters filters;
@@ -41,7 +41,7 @@ struct ProximityFinder::State {
   /// A step in which nothing moves, with half of the distance as the thickness of each vertex.
   std::optional<ContinuousCollisionFinder> finder;
 
-  State(const TriangleMesh& m, std::span<const Vec3> x, double d, PairFilters f)
+  Impl(const TriangleMesh& m, std::span<const Vec3> x, double d, PairFilters f)
       : mesh(m), distance(d), filters(std::move(f)) {
     if (!(distance > 0 && std::isfinite(distance)))
       throw Error("distance", fmt::format("{} is no positive length", distance), "give a positive number");
@@ -110,22 +110,22 @@ struct ProximityFinder::State {
 
 ProximityFinder::ProximityFinder(const TriangleMesh& mesh, std::span<const Vec3> positions, double distance,
                                  PairFilters filters)
-    : state_(std::make_unique<State>(mesh, positions, distance, std::move(filters))) {}
+    : impl_(std::make_unique<Impl>(mesh, positions, distance, std::move(filters))) {}
 ProximityFinder::~ProximityFinder() = default;
 ProximityFinder::ProximityFinder(ProximityFinder&&) noexcept = default;
 ProximityFinder& ProximityFinder::operator=(ProximityFinder&&) noexcept = default;
 
 void ProximityFinder::update(std::span<const Vec3> positions) {
-  state_->update(positions);
+  impl_->update(positions);
 }
 
 void ProximityFinder::rebuild(std::span<const Vec3> positions) {
-  state_->rebuild(positions);
+  impl_->rebuild(positions);
 }
 
 NearPairs ProximityFinder::find_pairs(ContinuousCounters* counters) const {
-  const ContinuousPairs pairs = state_->finder->find_pairs(counters);
-  return {state_->measure_all<NearVertexFace>(pairs.vertex_face), state_->measure_all<NearEdges>(pairs.edge_edge)};
+  const ContinuousPairs pairs = impl_->finder->find_pairs(counters);
+  return {impl_->measure_all<NearVertexFace>(pairs.vertex_face), impl_->measure_all<NearEdges>(pairs.edge_edge)};
 }
 
 }  // namespace selvage

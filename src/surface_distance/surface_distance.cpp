@@ -18,13 +18,13 @@ namespace {
 /// Points of one task.
 constexpr std::int64_t kPointGrain = 64;
 
-bool is_in_range(const Vec3& x) {
+bool is_below_limit(const Vec3& x) {
   return x.allFinite() && x.cwiseAbs().maxCoeff() <= SurfaceDistance::kMaxCoordinate;
 }
 
 void check_in_range(std::span<const Vec3> points, const char* what) {
   for (std::size_t i = 0; i < points.size(); ++i)
-    if (!is_in_range(points[i]))
+    if (!is_below_limit(points[i]))
       throw Error(fmt::format("{} {}", what, i), "a coordinate is not finite or too large",
                   "give finite coordinates below 1e150");
 }
@@ -42,13 +42,13 @@ bool are_edges_balanced(const TriangleMesh& mesh) {
 
 }  // namespace
 
-struct SurfaceDistance::State {
+struct SurfaceDistance::Impl {
   const TriangleMesh& mesh;
   bool is_closed;
   std::vector<Vec3> positions;
   Bvh bvh;
 
-  State(const TriangleMesh& m, std::span<const Vec3> x) : mesh(m), is_closed(are_edges_balanced(m)) {
+  Impl(const TriangleMesh& m, std::span<const Vec3> x) : mesh(m), is_closed(are_edges_balanced(m)) {
     if (mesh.triangle_count() == 0) throw Error("mesh", "there is no triangle", "give a surface of one at least");
     rebuild(x);
   }
@@ -107,39 +107,39 @@ struct SurfaceDistance::State {
 };
 
 SurfaceDistance::SurfaceDistance(const TriangleMesh& mesh, std::span<const Vec3> positions)
-    : state_(std::make_unique<State>(mesh, positions)) {}
+    : impl_(std::make_unique<Impl>(mesh, positions)) {}
 SurfaceDistance::~SurfaceDistance() = default;
 SurfaceDistance::SurfaceDistance(SurfaceDistance&&) noexcept = default;
 SurfaceDistance& SurfaceDistance::operator=(SurfaceDistance&&) noexcept = default;
 
 void SurfaceDistance::update(std::span<const Vec3> positions) {
-  state_->update(positions);
+  impl_->update(positions);
 }
 
 void SurfaceDistance::rebuild(std::span<const Vec3> positions) {
-  state_->rebuild(positions);
+  impl_->rebuild(positions);
 }
 
 bool SurfaceDistance::is_closed() const {
-  return state_->is_closed;
+  return impl_->is_closed;
 }
 
 std::vector<SurfacePoint> SurfaceDistance::find_closest_points(std::span<const Vec3> points) const {
   check_in_range(points, "point");
-  const DistanceInput input = state_->input();
+  const DistanceInput input = impl_->input();
   std::vector<SurfacePoint> results(points.size());
   parallel_ranges(std::ssize(points), kPointGrain, [&](std::int64_t first, std::int64_t last) {
     std::vector<ClosestTriangle> found(last - first);
     SELVAGE_DISPATCH(find_closest_triangles, input, points.data() + first, last - first, found.data());
-    for (std::int64_t i = first; i < last; ++i) results[i] = state_->describe(found[i - first]);
+    for (std::int64_t i = first; i < last; ++i) results[i] = impl_->describe(found[i - first]);
   });
   return results;
 }
 
 std::vector<SurfaceSide> SurfaceDistance::find_sides(std::span<const Vec3> points) const {
-  state_->check_closed();
+  impl_->check_closed();
   check_in_range(points, "point");
-  const DistanceInput input = state_->input();
+  const DistanceInput input = impl_->input();
   std::vector<SurfaceSide> sides(points.size());
   parallel_ranges(std::ssize(points), kPointGrain, [&](std::int64_t first, std::int64_t last) {
     SELVAGE_DISPATCH(find_point_sides, input, points.data() + first, last - first, sides.data() + first);

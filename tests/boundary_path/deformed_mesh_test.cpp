@@ -129,8 +129,8 @@ void check_boxes(const PosedFamily<D>& c, const Bvh& hierarchy, std::span<const 
       for (int axis = 0; axis < D; ++axis) {
         double lower = HUGE_VAL, upper = -HUGE_VAL;
         for (Index v : primitives[node.children[i]]) {
-          lower = std::min(lower, c.pose.positions()[v][axis] - c.pose.frame().origin[axis]);
-          upper = std::max(upper, c.pose.positions()[v][axis] - c.pose.frame().origin[axis]);
+          lower = std::min(lower, c.pose.positions()[v][axis] - c.pose.box_origin().position[axis]);
+          upper = std::max(upper, c.pose.positions()[v][axis] - c.pose.box_origin().position[axis]);
         }
         ASSERT_LE(node.lower[axis][i], lower);
         ASSERT_GE(node.upper[axis][i], upper);

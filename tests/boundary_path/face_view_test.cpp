@@ -20,7 +20,7 @@ struct Star {
   std::array<Vec<D>, D> corners, apexes;
 };
 
-/// Places in a frame that is `extent` wide: anywhere, close together, on a line, equal, as a needle.
+/// Places in a box that is `extent` wide: anywhere, close together, on a line, equal, as a needle.
 template <int D>
 class Maker {
  public:

@@ -27,7 +27,7 @@ class Material {
     input_.is_split = topology_.is_split.data();
     input_.rounded = pose_.rounded_positions().data();
     input_.rounding = pose_.rounding();
-    input_.frame = pose_.frame();
+    input_.box_origin = pose_.box_origin();
   }
 
   const TetMesh& mesh() const { return mesh_; }
@@ -73,7 +73,7 @@ void compare(const Material& material, test::Random& random, TetTraversalPacket&
     const Index face = random.below(3) == 0 ? random.below(material.mesh().boundary_faces().size()) : hint;
     candidates[lane] = factory.make(face, factory.estimate(face));
     for (int i = 0; i < 3; ++i)
-      query_points[i][lane] = static_cast<float>(queries[lane].point[i] - input.frame.origin[i]);
+      query_points[i][lane] = static_cast<float>(queries[lane].point[i] - input.box_origin.position[i]);
     if (is_split(input, candidates[lane])) continue;
     if (TetTraversal<3>(input, queries[lane], true, nullptr).starts_at(candidates[lane])) continue;
     packet.add(lane, queries[lane].element, candidates[lane]);

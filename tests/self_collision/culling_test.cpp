@@ -387,7 +387,7 @@ TEST(PlanarEmbeddingTest, NoMovingEmbeddedPieceHoldsAPairAtAnyTime) {
     PositionExtent<3> both = extent_of<3>(std::span<const Vec3>(input.positions));
     both.add(extent_of<3>(std::span<const Vec3>(end.positions)));
     SweptSurface pose;
-    pose.place(input.mesh, input.positions, end.positions, {}, frame_around(both));
+    pose.place(input.mesh, input.positions, end.positions, {}, box_units_around(both));
     moving_in_frame.place(input.pieces, {input.positions, end.positions}, pose.rounded());
     const std::vector<Index> place = places(input.bvh);
     std::vector<Pairs> pairs;

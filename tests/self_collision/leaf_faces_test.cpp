@@ -27,7 +27,8 @@ struct Posed {
   std::vector<LeafVertices> leaves;
 
   explicit Posed(Surface s) : surface(std::move(s)) {
-    pose.place(mesh, surface.positions, {}, frame_around(check_positions<3>(surface.positions, mesh.vertex_count())));
+    pose.place(mesh, surface.positions, {},
+               box_units_around(check_positions<3>(surface.positions, mesh.vertex_count())));
     bvh = Bvh(pose.boxes(mesh));
     leaves = list_leaf_vertices(bvh, mesh.triangles());
   }
@@ -70,7 +71,7 @@ TEST(LeafFaces, NeverTellApartWhatMeets) {
     for (std::int64_t n = 0; n < scaled(20); ++n) {
       const Surface made = family.make(random);
       Surface surface = n % 4 == 3 ? made : surfaces::snapped(made, n % 2 == 0 ? 8 : 2);
-      // What is near the border of the frame is rounded most.
+      // What is near the border of the box units is rounded most.
       if (n % 3 == 0)
         for (Vec3& x : surface.positions) x += Vec3(0.1, -1e6, 1e3);
       const Posed posed(surface);

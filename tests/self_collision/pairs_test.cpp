@@ -109,7 +109,7 @@ TEST_P(PairsOf, TwoSurfacesAreThoseOfTheOracle) {
   Random random(3);
   for (std::int64_t n = 0; n < scaled(20); ++n) {
     const Surface a = make(random, n), other = surfaces::families()[random.below(17)].make(random);
-    // Far away from the other's middle, and of another size: the two have different frames.
+    // Far away from the other's middle, and of another size: the two have different box units.
     Surface b = surfaces::snapped(other, 4);
     for (Vec3& x : b.positions) x = x * (n % 3 == 0 ? 64 : 1) + Vec3(n % 2, 0, 0);
     const TriangleMesh mesh_a = a.mesh(), mesh_b = b.mesh();

@@ -114,8 +114,8 @@ class BoundaryPathFinder {
   NearbyItems find_faces_near(std::span<const std::array<Vec<D>, 2>> boxes) const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 extern template class BoundaryPathFinder<2>;

@@ -9,7 +9,7 @@
 namespace selvage {
 
 template <int D>
-struct LocatorState;
+struct LocatorImpl;
 template <int D>
 class BoundaryPathFinder;
 
@@ -93,9 +93,9 @@ class PointLocator {
 
  private:
   friend class BoundaryPathFinder<D>;
-  explicit PointLocator(std::shared_ptr<LocatorState<D>> state);
+  explicit PointLocator(std::shared_ptr<LocatorImpl<D>> impl);
 
-  std::shared_ptr<LocatorState<D>> state_;  ///< a BoundaryPathFinder has it in common with its locator
+  std::shared_ptr<LocatorImpl<D>> impl_;  ///< a BoundaryPathFinder has it in common with its locator
 };
 
 extern template class PointLocator<2>;

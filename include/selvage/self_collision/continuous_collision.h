@@ -113,8 +113,8 @@ class ContinuousCollisionFinder {
   double find_separated_step(const ContinuousPairs& pairs) const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace selvage

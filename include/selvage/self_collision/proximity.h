@@ -65,8 +65,8 @@ class ProximityFinder {
   NearPairs find_pairs(ContinuousCounters* counters = nullptr) const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace selvage

@@ -144,8 +144,8 @@ class SelfCollisionFinder {
                                                 std::span<const TrianglePair> pairs) const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace selvage

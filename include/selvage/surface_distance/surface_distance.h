@@ -90,8 +90,8 @@ class SurfaceDistance {
   std::vector<SignedDistance> find_signed_distances(std::span<const Vec3> points) const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace selvage

@@ -28,22 +28,6 @@ float mark_of(std::int64_t vertex, bool cullable) {
   return std::bit_cast<float>(static_cast<std::uint32_t>(vertex) | static_cast<std::uint32_t>(cullable) << 31);
 }
 
-/// The numbers below `count` for which the predicate holds, ascending.
-template <typename Predicate>
-std::vector<std::int64_t> list_if_parallel(std::int64_t count, Predicate&& predicate) {
-  std::vector<std::int64_t> found;
-  std::mutex listing;
-  parallel_ranges(count, kGrain, [&](std::int64_t first, std::int64_t last) {
-    for (std::int64_t i = first; i < last; ++i) {
-      if (!predicate(i)) continue;
-      const std::lock_guard lock(listing);
-      found.push_back(i);
-    }
-  });
-  std::sort(found.begin(), found.end());
-  return found;
-}
-
 template <typename T>
 void add_relaxed(T& sum, T amount) {
   std::atomic_ref(sum).fetch_add(amount, std::memory_order_relaxed);
@@ -83,7 +67,7 @@ void DeformedMesh<D>::update_faces() {
   fit_faces();
 }
 
-/// Scales the positions by a power of two and lays the frame.
+/// Scales the positions by a power of two and places the box origin.
 template <int D>
 void DeformedMesh<D>::place(std::span<const Vec<D>> positions) {
   const auto [lower, upper, finite] = check_positions<D>(positions, mesh_.vertex_count());
@@ -91,13 +75,13 @@ void DeformedMesh<D>::place(std::span<const Vec<D>> positions) {
   exponent_ = largest > 0 ? std::ilogb(largest) : 0;
   // By two factors: 2^-exponent itself may overflow.
   const double half = std::ldexp(1.0, -exponent_ / 2), rest = std::ldexp(1.0, -exponent_ - -exponent_ / 2);
-  frame_.origin = (lower * half * rest + upper * half * rest) / 2;
+  box_origin_.position = (lower * half * rest + upper * half * rest) / 2;
   positions_.resize(positions.size());
   rounded_.resize(positions.size());
   parallel_for(std::ssize(positions), kGrain, [&](std::int64_t v) {
     positions_[v] = positions[v] * half * rest;
     rounded_[v] = {0, 0, 0, mark_of(v, false)};
-    for (int i = 0; i < D; ++i) rounded_[v][i] = static_cast<float>(positions_[v][i] - frame_.origin[i]);
+    for (int i = 0; i < D; ++i) rounded_[v][i] = static_cast<float>(positions_[v][i] - box_origin_.position[i]);
   });
   rounding_ = static_cast<float>(0x1p-24 * (upper * half * rest - lower * half * rest).maxCoeff()) + 0x1p-149f;
 }
@@ -117,7 +101,7 @@ Box DeformedMesh<D>::box_of(const std::array<Index, N>& vertices) const {
     lower = lower.cwiseMin(positions_[v]);
     upper = upper.cwiseMax(positions_[v]);
   }
-  return frame_.around(lower, upper);
+  return box_origin_.around(lower, upper);
 }
 
 template <int D>
@@ -332,7 +316,7 @@ template <int D>
 void DeformedMesh<D>::find_overwound_interior_ridges() {
   const auto& fans = topology_.interior_fans;
   const std::int64_t count = all_inner_injective_ ? topology_.spanning_count : fans.count();
-  const std::vector<std::int64_t> overwound = list_if_parallel(count, [&](std::int64_t k) {
+  const std::vector<std::int64_t> overwound = parallel_list_if(count, kGrain, [&](std::int64_t k) {
     const auto& ridge = fans.fans[k].ridge;
     // The last link vertex leads back to the first.
     return !has_locally_injective(ridge) &&
@@ -347,7 +331,7 @@ void DeformedMesh<D>::find_overwound_interior_ridges() {
 template <int D>
 void DeformedMesh<D>::find_overwound_boundary_ridges() {
   const auto& fans = topology_.boundary_fans;
-  const std::vector<std::int64_t> overwound = list_if_parallel(fans.count(), [&](std::int64_t k) {
+  const std::vector<std::int64_t> overwound = parallel_list_if(fans.count(), kGrain, [&](std::int64_t k) {
     const auto& ridge = fans.fans[k].ridge;
     if (has_locally_injective(ridge) || turns_once(positions_, ridge, fans.link(k))) return false;
     for (Index v : ridge) std::atomic_ref(cullable_[v]).store(0, std::memory_order_relaxed);
@@ -382,7 +366,7 @@ PathInput<D> DeformedMesh<D>::path_input(const PathOptions& options) const {
           .face_stars = topology_.face_stars.data(),
           .rounded = rounded_.data(),
           .rounding = rounding_,
-          .frame = frame_,
+          .box_origin = box_origin_,
           .component_of = topology_.component_of.data(),
           .component_state = component_states_.data(),
           .cullable = cullable_.data(),

@@ -42,10 +42,10 @@ class DeformedMesh {
   std::span<const Vec<D>> positions() const { return positions_; }
   /// positions() are the given ones times 2^-exponent(), so that the largest coordinate is about 1.
   int exponent() const { return exponent_; }
-  const BoxFrame<D>& frame() const { return frame_; }
+  const BoxOrigin<D>& box_origin() const { return box_origin_; }
 
-  /// positions() in the frame, each coordinate to the nearest float (the third 0 in the plane), and a bound of the
-  /// error. Last come the bits of the vertex's number, and a sign where it is cullable(): so they arrive together.
+  /// positions() from the box origin, each coordinate to the nearest float (the third 0 in the plane), and a bound of
+  /// the error. Last come the bits of the vertex's number, and a sign where it is cullable(): so they arrive together.
   std::span<const std::array<float, 4>> rounded_positions() const { return rounded_; }
   float rounding() const { return rounding_; }
 
@@ -62,7 +62,7 @@ class DeformedMesh {
   std::span<const std::uint8_t> locally_injective() const { return locally_injective_; }
   std::span<const ComponentState> component_states() const { return component_states_; }
 
-  /// Where the defects are, in the frame's boxes, and a hierarchy over them.
+  /// Where the defects are, as boxes from the box origin, and a hierarchy over them.
   std::span<const Defect> defect_places() const { return defect_places_; }
   const Bvh& defect_hierarchy() const { return defect_hierarchy_; }
 
@@ -75,7 +75,7 @@ class DeformedMesh {
   int orientation_of(Index element) const { return orientation(corners_of(element)); }
 
   /// Around a box given by its corners, as they are scaled here.
-  Box box_around(const Vec<D>& lower, const Vec<D>& upper) const { return frame_.around(lower, upper); }
+  Box box_around(const Vec<D>& lower, const Vec<D>& upper) const { return box_origin_.around(lower, upper); }
 
  private:
   void place(std::span<const Vec<D>> positions);
@@ -111,7 +111,7 @@ class DeformedMesh {
   std::vector<std::array<float, 4>> rounded_;
   float rounding_ = 0;
   int exponent_ = 0;
-  BoxFrame<D> frame_;
+  BoxOrigin<D> box_origin_;
 
   Bvh elements_, faces_;
   int face_refits_ = 0;

@@ -6,7 +6,7 @@
 
 namespace selvage {
 
-/// Positions of vertices in the frame, to the nearest floats.
+/// Positions of vertices from the box origin, to the nearest floats.
 struct RoundedPositions {
   const std::array<float, 4>* at;
   float error;  ///< bounds that of each coordinate; no less than the last bit of the extent of all

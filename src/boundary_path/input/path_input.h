@@ -24,18 +24,17 @@ struct Defect {
   Index component;
 };
 
-/// How coordinates are mapped to the single-precision boxes of the hierarchies: moved so that the middle of the mesh is
-/// the origin, where floats are finest.
+/// The origin of the single-precision boxes of the hierarchies: the middle of the mesh, for floats are finest near 0.
 template <int D>
-struct BoxFrame {
-  Vec<D> origin = Vec<D>::Zero();
+struct BoxOrigin {
+  Vec<D> position = Vec<D>::Zero();
 
   /// Smallest box of floats around the box between two corners.
   SELVAGE_INLINE Box around(const Vec<D>& lower, const Vec<D>& upper) const {
     Vec<D> low, high;
     for (int i = 0; i < D; ++i) {
-      low[i] = lower[i] - origin[i];
-      high[i] = upper[i] - origin[i];
+      low[i] = lower[i] - position[i];
+      high[i] = upper[i] - position[i];
     }
     return enclosing_box<D>(low, high);
   }
@@ -56,9 +55,9 @@ struct PathInput {
   const ConeNode* face_cones;      ///< per node of face_nodes
   const LeafNode<D>* face_leaves;  ///< the same
   const FaceStar<D>* face_stars;
-  const std::array<float, 4>* rounded;  ///< positions in the frame: see DeformedMesh::rounded_positions()
+  const std::array<float, 4>* rounded;  ///< positions from the box origin: see DeformedMesh::rounded_positions()
   float rounding;                       ///< bounds the error of each rounded coordinate
-  BoxFrame<D> frame;
+  BoxOrigin<D> box_origin;
   const Index* component_of;              ///< per element
   const ComponentState* component_state;  ///< per component
   const std::uint8_t* cullable;           ///< per vertex: its surroundings are proven to be locally injective

@@ -15,7 +15,7 @@ void append_found(std::vector<PointInElement>& found, PointInElement pair) {
 
 namespace {
 
-/// Coordinates of a mesh, in its frame, are below 2; what is farther out comes to here.
+/// Coordinates of a mesh, from its box origin, are below 2; what is farther out comes to here.
 constexpr double kFarOutside = 8;
 
 constexpr OwnElements kNoOwn = {kBeyondAllNodes, {}};
@@ -99,7 +99,8 @@ std::vector<PointInElement> ContainmentSearch<D>::find_points(std::span<const Ve
   parallel_for(std::ssize(points), kGrain, [&](std::int64_t k) {
     rounded[k] = {};
     for (int i = 0; i < D; ++i)
-      rounded[k][i] = static_cast<float>(std::clamp(points[k][i] - pose_.frame().origin[i], -kFarOutside, kFarOutside));
+      rounded[k][i] =
+          static_cast<float>(std::clamp(points[k][i] - pose_.box_origin().position[i], -kFarOutside, kFarOutside));
   });
   std::vector<Index> order(points.size());
   std::iota(order.begin(), order.end(), 0);

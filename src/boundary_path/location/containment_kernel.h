@@ -12,7 +12,7 @@ struct PointInElement {
   friend bool operator==(PointInElement, PointInElement) = default;
 };
 
-/// A position in the input's frame, each coordinate to the nearest float (the rest 0).
+/// A position from the input's box origin, each coordinate to the nearest float (the rest 0).
 using RoundedPosition = std::array<float, 4>;
 
 /// Mesh and pose as a containment search reads them.

@@ -122,7 +122,7 @@ void PacketSearch<D>::keep_answers(unsigned lanes) {
     if (!search.has_answer()) continue;
     const Answer<D> answer = search.answer();
     for (int i = 0; i < 3; ++i)
-      latest_.point[i][latest_.count] = i < D ? static_cast<float>(answer.point[i] - input_.frame.origin[i]) : 0;
+      latest_.point[i][latest_.count] = i < D ? static_cast<float>(answer.point[i] - input_.box_origin.position[i]) : 0;
     latest_.face[latest_.count++] = answer.face;
   }
 }

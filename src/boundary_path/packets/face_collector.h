@@ -42,7 +42,7 @@ struct ChildCone {
   /// Lanes that find no answer below the child: see ConeNode.
   ///
   /// How far p is outside the cone of directions around the axis' opposite, opened at each point of the child's sphere.
-  /// Slack for the rounding of positions in the frame, which is a few units across, and for the root of a small
+  /// Slack for the rounding of positions from the box origin, which is a few units across, and for the root of a small
   /// difference, which loses half its digits.
   SELVAGE_INLINE unsigned is_culled_by_cone(const LaneVec3<Lanes>& query_point, unsigned one_sided) const {
     const LaneVec3<Lanes> from_middle = query_point - middle;

@@ -41,7 +41,7 @@ SELVAGE_INLINE Vector16 gather(const RoundedPosition* positions, VertexOf&& vert
 }
 
 /// Sixteen pairs of a point p and a boundary face, whose neighbours are known by their vertices that are not the face's
-/// (apexes), numbered as the vertices of the face opposite to which they lie; in the frame.
+/// (apexes), numbered as the vertices of the face opposite to which they lie; from the box origin.
 template <int D>
 struct FaceView {
   Vector16 p;

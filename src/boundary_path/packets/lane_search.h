@@ -246,7 +246,7 @@ template <int D>
 void LaneSearch<D>::start_anywhere() {
   std::int64_t volumes = 0;
   visit_nearest(
-      input_.face_nodes, input_.frame.around_point(query_.point), round_up(squared_bound()),
+      input_.face_nodes, input_.box_origin.around_point(query_.point), round_up(squared_bound()),
       [&](Index face, float) {
         consider(face, 0);
         return best_squared_ == kInfinity ? round_up(squared_bound()) : -1.0f;

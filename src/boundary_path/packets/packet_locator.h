@@ -19,13 +19,14 @@ void PacketSearch<D>::prefetch_ends(std::span<const PathTask<D>> tasks) const {
 template <int D>
 void PacketSearch<D>::place(int lane) {
   const PathQuery<D>& query = searches_[lane].query();
-  const Box box = input_.frame.around_point(query.point);
+  const Box box = input_.box_origin.around_point(query.point);
   for (int i = 0; i < 3; ++i) {
     query_point_[i][lane] = 0;
     lower_[i][lane] = box.lower[i];
     upper_[i][lane] = box.upper[i];
   }
-  for (int i = 0; i < D; ++i) query_point_[i][lane] = static_cast<float>(query.point[i] - input_.frame.origin[i]);
+  for (int i = 0; i < D; ++i)
+    query_point_[i][lane] = static_cast<float>(query.point[i] - input_.box_origin.position[i]);
 }
 
 template <int D>

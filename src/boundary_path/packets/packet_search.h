@@ -136,7 +136,7 @@ class PacketSearch {
   unsigned present_ = 0;                                   ///< lanes that look for something
   unsigned culling_ = 0;                                   ///< lanes that may pass over faces because of a neighbour
   alignas(64) float culling_signs_[kWidth] = {};           ///< the same, as signs
-  alignas(64) float query_point_[3][kWidth] = {};          ///< points in the frame, to the nearest float
+  alignas(64) float query_point_[3][kWidth] = {};          ///< points from the box origin, to the nearest float
   alignas(64) float lower_[3][kWidth], upper_[3][kWidth];  ///< boxes around them
   alignas(64) float limit_[kWidth];                        ///< what a computed squared distance may be at most
   alignas(64) float sources_[2][kWidth] = {};              ///< vertices on which p lies, or none; as bits

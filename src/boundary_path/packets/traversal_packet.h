@@ -24,7 +24,7 @@ class TetTraversalPacket {
   void add(int lane, Index element, const Candidate<3>& candidate);
 
   /// Lanes with segments that are valid paths.
-  /// @param query_point  p of each lane in the frame, each coordinate to the nearest float
+  /// @param query_point  p of each lane from the box origin, each coordinate to the nearest float
   unsigned follow(const float (&query_point)[3][kPacketSize]);
 
   /// Lanes with segments that are no valid paths, among those followed last.

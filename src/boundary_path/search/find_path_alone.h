@@ -42,7 +42,7 @@ PathResult<D> find_path_alone(const PathInput<D>& input, const PathQuery<D>& que
     if (!is_zero(candidate.offset) && find_closer_neighbour(input, p, candidate) != kNone) return false;
     return is_path(input, p, candidate);
   };
-  visit_nearest(input.face_nodes, input.frame.around_point(query.point), kAnywhere, [&](Index face, float) {
+  visit_nearest(input.face_nodes, input.box_origin.around_point(query.point), kAnywhere, [&](Index face, float) {
     if (p.may_end_at(face)) {
       const Candidate<D> candidate = candidates.make(face, candidates.estimate(face));
       if (is_answer_so_far(candidate)) best = candidate;

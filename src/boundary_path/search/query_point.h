@@ -91,7 +91,7 @@ template <int D>
 void QueryPoint<D>::find_defects(float squared_reach, bool look) {
   float nearest = squared_reach;
   if (look) {
-    const Box box = input_.frame.around_point(query_.point);
+    const Box box = input_.box_origin.around_point(query_.point);
     visit_nearest(input_.defect_nodes, box, nearest, [&](Index defect, float squared_distance) {
       if (input_.defects[defect].component == component_ && squared_distance < nearest) nearest = squared_distance;
       return nearest;

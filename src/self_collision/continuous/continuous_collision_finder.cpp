@@ -130,7 +130,7 @@ ContinuousCounters& ContinuousCounters::operator+=(const ContinuousCounters& oth
   return *this;
 }
 
-struct ContinuousCollisionFinder::State {
+struct ContinuousCollisionFinder::Impl {
   /// Stars pay where at most one in so many is measured in a step.
   static constexpr std::int64_t kMaxMeasuredShare = 4;
   /// Where they do not pay, ever fewer steps try again, at last every 2^kMaxFailures-th.
@@ -152,8 +152,8 @@ struct ContinuousCollisionFinder::State {
   std::vector<LeafVertices> leaves;  ///< where stars have been trusted once
   std::vector<NeighbourPair> neighbours;
 
-  State(const TriangleMesh& m, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1,
-        SelfCollisionOptions o)
+  Impl(const TriangleMesh& m, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1,
+       SelfCollisionOptions o)
       : mesh(m),
         options(std::move(o)),
         filter(PairFilter::where_needed(m, options.filters)),
@@ -165,7 +165,7 @@ struct ContinuousCollisionFinder::State {
   void place(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
     PositionExtent<3> both = check_positions<3>(positions_t0, mesh.vertex_count(), "positions_t0");
     both.add(check_positions<3>(positions_t1, mesh.vertex_count(), "positions_t1"));
-    pose.place(mesh, positions_t0, positions_t1, options.thickness, frame_around(both));
+    pose.place(mesh, positions_t0, positions_t1, options.thickness, box_units_around(both));
   }
 
   void build() {
@@ -339,51 +339,51 @@ struct ContinuousCollisionFinder::State {
 
 ContinuousCollisionFinder::ContinuousCollisionFinder(const TriangleMesh& mesh, std::span<const Vec3> positions_t0,
                                                      std::span<const Vec3> positions_t1, SelfCollisionOptions options)
-    : state_(std::make_unique<State>(mesh, positions_t0, positions_t1, std::move(options))) {}
+    : impl_(std::make_unique<Impl>(mesh, positions_t0, positions_t1, std::move(options))) {}
 ContinuousCollisionFinder::~ContinuousCollisionFinder() = default;
 ContinuousCollisionFinder::ContinuousCollisionFinder(ContinuousCollisionFinder&&) noexcept = default;
 ContinuousCollisionFinder& ContinuousCollisionFinder::operator=(ContinuousCollisionFinder&&) noexcept = default;
 
 void ContinuousCollisionFinder::update(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
-  state_->update(positions_t0, positions_t1);
+  impl_->update(positions_t0, positions_t1);
 }
 
 void ContinuousCollisionFinder::rebuild(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
-  state_->rebuild(positions_t0, positions_t1);
+  impl_->rebuild(positions_t0, positions_t1);
 }
 
 ContinuousPairs ContinuousCollisionFinder::find_pairs(ContinuousCounters* counters) const {
-  return state_->search(nullptr, counters);
+  return impl_->search(nullptr, counters);
 }
 
 bool ContinuousCollisionFinder::has_pairs(ContinuousCounters* counters) const {
   std::atomic<bool> stop = false;
-  state_->search(&stop, counters);
+  impl_->search(&stop, counters);
   return stop;
 }
 
 std::vector<double> ContinuousCollisionFinder::find_impact_times(std::span<const VertexFacePair> pairs) const {
-  check_pairs(state_->mesh, pairs);
-  SearchProgress progress(state_->options, std::ssize(pairs));
-  return impact_times(state_->input(), pairs, progress);
+  check_pairs(impl_->mesh, pairs);
+  SearchProgress progress(impl_->options, std::ssize(pairs));
+  return impact_times(impl_->input(), pairs, progress);
 }
 
 std::vector<double> ContinuousCollisionFinder::find_impact_times(std::span<const EdgeEdgePair> pairs) const {
-  check_pairs(state_->mesh, pairs);
-  SearchProgress progress(state_->options, std::ssize(pairs));
-  return impact_times(state_->input(), pairs, progress);
+  check_pairs(impl_->mesh, pairs);
+  SearchProgress progress(impl_->options, std::ssize(pairs));
+  return impact_times(impl_->input(), pairs, progress);
 }
 
 double ContinuousCollisionFinder::find_free_step(const ContinuousPairs& pairs) const {
-  const ContinuousInput input = state_->input();
-  return state_->find_earliest_of(pairs,
-                                  [&](const auto& pair, double before) { return impact_of(input, pair, before); });
+  const ContinuousInput input = impl_->input();
+  return impl_->find_earliest_of(pairs,
+                                 [&](const auto& pair, double before) { return impact_of(input, pair, before); });
 }
 
 double ContinuousCollisionFinder::find_separated_step(const ContinuousPairs& pairs) const {
-  const ContinuousInput input = state_->input();
-  return state_->find_earliest_of(pairs,
-                                  [&](const auto& pair, double before) { return nearness_of(input, pair, before); });
+  const ContinuousInput input = impl_->input();
+  return impl_->find_earliest_of(pairs,
+                                 [&](const auto& pair, double before) { return nearness_of(input, pair, before); });
 }
 
 }  // namespace selvage

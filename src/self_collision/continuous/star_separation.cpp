@@ -33,21 +33,21 @@ constexpr int kMaxPatience = 6;
 constexpr std::int64_t kSampledStars = 64;
 constexpr double kRigidSteps = 8;
 
-using Frame = Eigen::Matrix3d;
+using Axes = Eigen::Matrix3d;
 
 /// Axes that turn with a triangle, given by its corners, in columns; orthonormal, and nothing where the triangle is so
 /// thin that they would not be. Which ones does not matter. Where squares keep their digits the first two have length
 /// one, and if these are at right angles, all are.
-std::optional<Frame> frame_of(const Vec3& a, const Vec3& b, const Vec3& c) {
+std::optional<Axes> axes_of(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 along = b - a, across = along.cross(c - a);
   const double length = along.norm(), area = across.norm();
   if (!(length > kMinSize && length < kMaxSize)) return std::nullopt;
   if (!(area > kMinSize * kMinSize && area < kMaxSize * kMaxSize)) return std::nullopt;
   const Vec3 first = 1 / length * along, second = 1 / area * across;
   if (!(std::abs(first.dot(second)) < kOrthonormal)) return std::nullopt;
-  Frame frame;
-  frame << first, second, first.cross(second);
-  return frame;
+  Axes axes;
+  axes << first, second, first.cross(second);
+  return axes;
 }
 
 bool contains(const VertexTuple<3>& triangle, Index vertex) {
@@ -122,14 +122,14 @@ double StarSeparation::separation(Index vertex, std::span<const Vec3> positions)
 }
 
 void StarSeparation::measure(Index vertex, std::span<const Vec3> positions) {
-  const auto frame =
-      frame_of(positions[vertex], positions[around_[first_[vertex]]], positions[around_[first_[vertex] + 1]]);
+  const auto axes =
+      axes_of(positions[vertex], positions[around_[first_[vertex]]], positions[around_[first_[vertex] + 1]]);
   stars_[vertex].reach = 0;
-  if (!frame) return;
+  if (!axes) return;
   stars_[vertex].reach = 0.5 * separation(vertex, positions);
   for (Index i = first_[vertex]; i < first_[vertex + 1]; ++i) {
     turned_[i] = positions[around_[i]] - positions[vertex];
-    shape_[i] = frame->transpose() * turned_[i];
+    shape_[i] = axes->transpose() * turned_[i];
   }
 }
 
@@ -152,10 +152,10 @@ bool StarSeparation::is_within_reach(Index vertex, std::span<const Vec3> positio
                                      std::span<const Vec3> positions_t1) {
   if (!(stars_[vertex].reach > 0)) return false;
   if (stays_near_turned(vertex, positions_t0, positions_t1)) return true;
-  const auto frame =
-      frame_of(positions_t0[vertex], positions_t0[around_[first_[vertex]]], positions_t0[around_[first_[vertex] + 1]]);
-  if (!frame) return false;
-  for (Index i = first_[vertex]; i < first_[vertex + 1]; ++i) turned_[i] = *frame * shape_[i];
+  const auto axes =
+      axes_of(positions_t0[vertex], positions_t0[around_[first_[vertex]]], positions_t0[around_[first_[vertex] + 1]]);
+  if (!axes) return false;
+  for (Index i = first_[vertex]; i < first_[vertex + 1]; ++i) turned_[i] = *axes * shape_[i];
   return stays_near_turned(vertex, positions_t0, positions_t1);
 }
 

@@ -57,7 +57,7 @@ class StarSeparation {
   const TriangleMesh& mesh_;
   std::vector<Index> middles_;         ///< vertices with at least two triangles
   std::vector<Index> first_, around_;  ///< per vertex the others of its star, first two that share a triangle with it
-  std::vector<Vec3> shape_;            ///< for each of them where it lay when measured, in the frame of the star
+  std::vector<Vec3> shape_;            ///< for each of them where it lay when measured, in box units of the star
   std::vector<Vec3> turned_;           ///< the same, turned as the star was when it last had to be
   std::vector<Star> stars_;            ///< per vertex
   std::vector<std::uint8_t> is_open_;  ///< per vertex

@@ -232,7 +232,7 @@ SELVAGE_INLINE void fit(const PlanarLoops<kSteps>& loops) {
 
 }  // namespace
 
-void measure_moving_areas(const MovingRow* positions, const VertexTuple<3>* triangles, Index first, Index last,
+void measure_moving_areas(const MovingVertex* positions, const VertexTuple<3>* triangles, Index first, Index last,
                           const MovingAreaRows& areas) {
   constexpr Index kAhead = 2 * kWidth;
   const auto size = [](const WideVec3& a) { return abs_sum(a); };
@@ -258,8 +258,8 @@ void measure_moving_areas(const MovingRow* positions, const VertexTuple<3>* tria
     // other's size, and six times the product of both. The rest is what products and sums round off, here and in a dot
     // product.
     const Float8 size_e = size_of_both(e), size_f = size_of_both(f);
-    const Float8 error = (size_e + size_f) * wide(4.1f * kFrameRounding) + size_e * size_f * wide(0x1p-20f) +
-                         wide(32 * kFrameRounding * kFrameRounding);
+    const Float8 error = (size_e + size_f) * wide(4.1f * kBoxRounding) + size_e * size_f * wide(0x1p-20f) +
+                         wide(32 * kBoxRounding * kBoxRounding);
     error.store(areas.errors + place);
     const int present = last - place < kWidth ? last - place : kWidth;
     for (int k = 0; k < 3; ++k) {

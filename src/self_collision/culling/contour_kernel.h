@@ -58,21 +58,21 @@ enum class ContourTest : std::uint8_t {
   kMonotoneRuns,  ///< not within runs that advance along one direction
 };
 
-// measure_moving_areas: area vectors of triangles [first, last) from positions in a frame, and of the next ones up to a
-// multiple of eight anything; sums of the groups. `first` begins a group, `last` ends one or all triangles.
+// measure_moving_areas: area vectors of triangles [first, last) from positions in box units, and of the next ones up to
+// a multiple of eight anything; sums of the groups. `first` begins a group, `last` ends one or all triangles.
 // mark_contour: sets marks[i] to whether the edge opposite to edge first + i is none of [first, last).
 // do_all_face: whether all area vectors [first, last) certainly have a positive dot product with u_axis x v_axis.
 // fit_blocks: sets the boxes of the blocks.
 // is_contour_simple: whether edges certainly meet nowhere (at no time) but where one follows the other. Sufficient,
 // never wrong: what is closer than rounding gives false.
-#define SELVAGE_CONTOUR_KERNEL                                                                                    \
-  void measure_moving_areas(const MovingRow* positions, const VertexTuple<3>* triangles, Index first, Index last, \
-                            const MovingAreaRows& areas);                                                         \
-  void mark_contour(const Index* opposite, Index first, Index last, char* marks);                                 \
-  bool do_all_face(const AreaVectors& areas, std::size_t first, std::size_t last, const ProjectionPlane& plane);  \
-  void fit_blocks(const PlanarLoops<1>& loops);                                                                   \
-  void fit_blocks(const PlanarLoops<2>& loops);                                                                   \
-  bool is_contour_simple(const PlanarLoops<1>& loops, ContourTest test);                                          \
+#define SELVAGE_CONTOUR_KERNEL                                                                                       \
+  void measure_moving_areas(const MovingVertex* positions, const VertexTuple<3>* triangles, Index first, Index last, \
+                            const MovingAreaRows& areas);                                                            \
+  void mark_contour(const Index* opposite, Index first, Index last, char* marks);                                    \
+  bool do_all_face(const AreaVectors& areas, std::size_t first, std::size_t last, const ProjectionPlane& plane);     \
+  void fit_blocks(const PlanarLoops<1>& loops);                                                                      \
+  void fit_blocks(const PlanarLoops<2>& loops);                                                                      \
+  bool is_contour_simple(const PlanarLoops<1>& loops, ContourTest test);                                             \
   bool is_contour_simple(const PlanarLoops<2>& loops, ContourTest test);
 namespace baseline {
 SELVAGE_CONTOUR_KERNEL

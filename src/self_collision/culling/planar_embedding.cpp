@@ -329,7 +329,7 @@ bool is_worth_testing(const SurfacePieces& pieces, PlanarEmbeddingTest<kSteps>& 
 template <int kSteps>
 CulledPairs cull_by_planar_embedding(const Bvh& bvh, SurfacePieces& pieces,
                                      const typename PlanarEmbeddingTest<kSteps>::Poses& poses,
-                                     std::span<const MovingRow> rounded, bool knows_neighbours,
+                                     std::span<const MovingVertex> rounded, bool knows_neighbours,
                                      PlanarEmbeddingTest<kSteps>& test) {
   using Workspace = typename PlanarEmbeddingTest<kSteps>::Workspace;
   CulledPairs culled;
@@ -344,8 +344,8 @@ CulledPairs cull_by_planar_embedding(const Bvh& bvh, SurfacePieces& pieces,
 template class PlanarEmbeddingTest<1>;
 template class PlanarEmbeddingTest<2>;
 template CulledPairs cull_by_planar_embedding<1>(const Bvh&, SurfacePieces&, const PlanarEmbeddingTest<1>::Poses&,
-                                                 std::span<const MovingRow>, bool, PlanarEmbeddingTest<1>&);
+                                                 std::span<const MovingVertex>, bool, PlanarEmbeddingTest<1>&);
 template CulledPairs cull_by_planar_embedding<2>(const Bvh&, SurfacePieces&, const PlanarEmbeddingTest<2>::Poses&,
-                                                 std::span<const MovingRow>, bool, PlanarEmbeddingTest<2>&);
+                                                 std::span<const MovingVertex>, bool, PlanarEmbeddingTest<2>&);
 
 }  // namespace selvage

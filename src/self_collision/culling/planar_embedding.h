@@ -21,13 +21,13 @@ class PlanarEmbeddingTest {
  public:
   using Poses = std::array<std::span<const Vec3>, kSteps>;
 
-  /// Positions of a step in a frame; empty for one pose.
-  using Rounded = std::span<const MovingRow>;
+  /// Positions of a step in box units; empty for one pose.
+  using Rounded = std::span<const MovingVertex>;
 
   /// Takes new poses: O(n), parallel. Keeps references to its arguments; the contours of a piece are traced when they
   /// are first asked for.
   ///
-  /// @param rounded  the poses of a step once more, in a frame: optional, and faster
+  /// @param rounded  the poses of a step once more, in box units: optional, and faster
   void place(SurfacePieces& pieces, const Poses& poses, Rounded rounded = {}) {
     take(pieces, poses, rounded);
     measure({0, static_cast<Index>(pieces.triangles().size())});
@@ -85,7 +85,7 @@ ProjectionPlane plane_across(const Vec3& direction);
 template <int kSteps>
 CulledPairs cull_by_planar_embedding(const Bvh& bvh, SurfacePieces& pieces,
                                      const typename PlanarEmbeddingTest<kSteps>::Poses& poses,
-                                     std::span<const MovingRow> rounded, bool knows_neighbours,
+                                     std::span<const MovingVertex> rounded, bool knows_neighbours,
                                      PlanarEmbeddingTest<kSteps>& test);
 
 }  // namespace selvage

@@ -9,7 +9,7 @@ namespace selvage {
 template <int kSteps>
 CulledPairs cull_self_pairs(const SelfCollisionOptions& options, const Bvh& bvh, SurfacePieces& pieces,
                             const typename PlanarEmbeddingTest<kSteps>::Poses& poses, PlanarEmbeddingTest<kSteps>& test,
-                            std::span<const MovingRow> rounded, bool knows_neighbours) {
+                            std::span<const MovingVertex> rounded, bool knows_neighbours) {
   if (bvh.nodes().empty()) return {};
   switch (options.method) {
     case CullingMethod::kBvh:
@@ -32,9 +32,9 @@ CulledPairs cull_self_pairs(const SelfCollisionOptions& options, const Bvh& bvh,
 
 template CulledPairs cull_self_pairs<1>(const SelfCollisionOptions&, const Bvh&, SurfacePieces&,
                                         const PlanarEmbeddingTest<1>::Poses&, PlanarEmbeddingTest<1>&,
-                                        std::span<const MovingRow>, bool);
+                                        std::span<const MovingVertex>, bool);
 template CulledPairs cull_self_pairs<2>(const SelfCollisionOptions&, const Bvh&, SurfacePieces&,
                                         const PlanarEmbeddingTest<2>::Poses&, PlanarEmbeddingTest<2>&,
-                                        std::span<const MovingRow>, bool);
+                                        std::span<const MovingVertex>, bool);
 
 }  // namespace selvage

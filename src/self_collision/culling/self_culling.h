@@ -11,11 +11,11 @@ namespace selvage {
 /// one pose or over a step; O(n), parallel; the same for any number of threads.
 ///
 /// @param test     memory to use again for every pose
-/// @param rounded  positions of the step in a frame, see PlanarEmbeddingTest; for kAuto
+/// @param rounded  positions of the step in box units, see PlanarEmbeddingTest; for kAuto
 /// @param knows_neighbours  whether most triangles are known not to meet their neighbours without culling; for kAuto
 template <int kSteps>
 CulledPairs cull_self_pairs(const SelfCollisionOptions& options, const Bvh& bvh, SurfacePieces& pieces,
                             const typename PlanarEmbeddingTest<kSteps>::Poses& poses, PlanarEmbeddingTest<kSteps>& test,
-                            std::span<const MovingRow> rounded = {}, bool knows_neighbours = false);
+                            std::span<const MovingVertex> rounded = {}, bool knows_neighbours = false);
 
 }  // namespace selvage

@@ -8,7 +8,7 @@ namespace selvage {
 
 inline namespace SELVAGE_ISA {
 
-/// The children of a node that are triangles, in one pose and in its frame, a row for each coordinate, so that any
+/// The children of a node that are triangles, in one pose and in box units, a row for each coordinate, so that any
 /// eight pairs of those of two nodes are compared at once and nothing is gathered.
 struct alignas(64) LeafFaces {
   using Rows = float[3][BvhNode::kWidth];
@@ -32,7 +32,7 @@ struct alignas(64) LeafFaces {
     store(v, edges[1]);
     store(cross(u, v), normal);
     // Upper bounds of boxes are up to three floats larger than needed.
-    (largest + Float8::broadcast(4 * kFrameRounding)).store(size);
+    (largest + Float8::broadcast(4 * kBoxRounding)).store(size);
   }
 
  private:
@@ -98,7 +98,7 @@ SELVAGE_INLINE unsigned beside_faces(const LeafFaces& a, Int8 i, const LeafFaces
   // Boxes that meet reach no farther than this from any vertex of either. As in heights_over(), but that heights are
   // sums of two dot products, each rounded.
   const Float8 far = size_a + size_b;
-  const Float8 error = Float8::broadcast(2 * kFrameRounding) + far * Float8::broadcast(0x1p-21f);
+  const Float8 error = Float8::broadcast(2 * kBoxRounding) + far * Float8::broadcast(0x1p-21f);
   const Float8 share = error * far * Float8::broadcast(20), smallest = Float8::broadcast(1e-30f);
   const auto along = [&](const LeafFaces::Rows& edge) { return dot(normal_a, pick_rows(edge, k)); };
   const auto across = [&](const LeafFaces::Rows& edge) { return dot(normal_b, pick_rows(edge, i)); };

@@ -88,11 +88,11 @@ SelfCollisionCounters& SelfCollisionCounters::operator+=(const SelfCollisionCoun
   return *this;
 }
 
-struct SelfCollisionFinder::State {
+struct SelfCollisionFinder::Impl {
   const TriangleMesh& mesh;
   SelfCollisionOptions options;
   std::optional<PairFilter> filter;
-  PoseFrame frame;
+  BoxUnits units;
   DeformedSurface pose;
   Bvh bvh;
   std::vector<LeafVertices> leaves;
@@ -101,15 +101,15 @@ struct SelfCollisionFinder::State {
   PlanarEmbeddingTest<1> embedding_test;
   CulledPairs culled;
 
-  State(const TriangleMesh& m, std::span<const Vec3> positions, SelfCollisionOptions o)
+  Impl(const TriangleMesh& m, std::span<const Vec3> positions, SelfCollisionOptions o)
       : mesh(m), options(std::move(o)), filter(PairFilter::where_needed(m, options.filters)) {
     check_thickness(mesh, options.thickness);
     rebuild(positions);
   }
 
   void place(std::span<const Vec3> positions) {
-    frame = frame_around(check_positions<3>(positions, mesh.vertex_count()));
-    pose.place(mesh, positions, options.thickness, frame);
+    units = box_units_around(check_positions<3>(positions, mesh.vertex_count()));
+    pose.place(mesh, positions, options.thickness, units);
   }
 
   void build() {
@@ -171,32 +171,32 @@ struct SelfCollisionFinder::State {
 
 SelfCollisionFinder::SelfCollisionFinder(const TriangleMesh& mesh, std::span<const Vec3> positions,
                                          SelfCollisionOptions options)
-    : state_(std::make_unique<State>(mesh, positions, std::move(options))) {}
+    : impl_(std::make_unique<Impl>(mesh, positions, std::move(options))) {}
 SelfCollisionFinder::~SelfCollisionFinder() = default;
 SelfCollisionFinder::SelfCollisionFinder(SelfCollisionFinder&&) noexcept = default;
 SelfCollisionFinder& SelfCollisionFinder::operator=(SelfCollisionFinder&&) noexcept = default;
 
 void SelfCollisionFinder::update(std::span<const Vec3> positions) {
-  state_->update(positions);
+  impl_->update(positions);
 }
 
 void SelfCollisionFinder::rebuild(std::span<const Vec3> positions) {
-  state_->rebuild(positions);
+  impl_->rebuild(positions);
 }
 
 std::vector<TrianglePair> SelfCollisionFinder::find_pairs(SelfCollisionCounters* counters) const {
-  return state_->search_self_pairs(nullptr, counters);
+  return impl_->search_self_pairs(nullptr, counters);
 }
 
 bool SelfCollisionFinder::has_pairs(SelfCollisionCounters* counters) const {
   std::atomic<bool> stop = false;
-  state_->search_self_pairs(&stop, counters);
+  impl_->search_self_pairs(&stop, counters);
   return stop;
 }
 
 std::vector<TrianglePair> SelfCollisionFinder::find_pairs_of(std::span<const Index> triangles,
                                                              SelfCollisionCounters* counters) const {
-  const State& s = *state_;
+  const Impl& s = *impl_;
   std::vector<std::uint8_t> in_subset(s.mesh.triangle_count(), 0);
   std::vector<Box> boxes;
   for (const Index t : triangles) {
@@ -217,26 +217,26 @@ std::vector<TrianglePair> SelfCollisionFinder::find_pairs_of(std::span<const Ind
 
 std::vector<TrianglePair> SelfCollisionFinder::find_pairs_with(const SelfCollisionFinder& other,
                                                                SelfCollisionCounters* counters) const {
-  // Boxes can be compared in one frame only.
-  PositionExtent<3> both = extent_of<3>(state_->pose.positions());
-  both.add(extent_of<3>(other.state_->pose.positions()));
-  const PoseFrame frame = frame_around(both);
+  // Boxes can be compared in box units only.
+  PositionExtent<3> both = extent_of<3>(impl_->pose.positions());
+  both.add(extent_of<3>(other.impl_->pose.positions()));
+  const BoxUnits units = box_units_around(both);
   struct Side {
     DeformedSurface pose;
     Bvh bvh;
   };
-  const auto bring = [&](const State& s) {
+  const auto bring = [&](const Impl& s) {
     Side side{{}, s.bvh};
-    side.pose.place(s.mesh, s.pose.positions(), s.options.thickness, frame);
+    side.pose.place(s.mesh, s.pose.positions(), s.options.thickness, units);
     side.pose.refit(s.mesh, s.leaves, side.bvh);
     return side;
   };
-  const Side a = bring(*state_), b = bring(*other.state_);
-  const auto view = [](const State& s, const Side& side) {
-    return State::view(s.mesh, side.pose, side.bvh, s.leaves, s.options.thickness);
+  const Side a = bring(*impl_), b = bring(*other.impl_);
+  const auto view = [](const Impl& s, const Side& side) {
+    return Impl::view(s.mesh, side.pose, side.bvh, s.leaves, s.options.thickness);
   };
-  const DiscreteInput input{view(*state_, a), view(*other.state_, b), false, false, nullptr, nullptr};
-  return search_two(state_->options, input, split_pair_work(a.bvh, b.bvh, piece_count(b.bvh)), counters);
+  const DiscreteInput input{view(*impl_, a), view(*other.impl_, b), false, false, nullptr, nullptr};
+  return search_two(impl_->options, input, split_pair_work(a.bvh, b.bvh, piece_count(b.bvh)), counters);
 }
 
 std::vector<CommonSegment> SelfCollisionFinder::find_segments(std::span<const TrianglePair> pairs) const {
@@ -245,20 +245,20 @@ std::vector<CommonSegment> SelfCollisionFinder::find_segments(std::span<const Tr
 
 std::vector<CommonSegment> SelfCollisionFinder::find_segments_with(const SelfCollisionFinder& other,
                                                                    std::span<const TrianglePair> pairs) const {
-  const auto corners = [](const State& s, Index t) {
+  const auto corners = [](const Impl& s, Index t) {
     const auto& [a, b, c] = s.mesh.triangles()[t];
     const std::span<const Vec3> x = s.pose.positions();
     return std::array<Vec3, 3>{x[a], x[b], x[c]};
   };
   for (const TrianglePair& pair : pairs) {
-    check_triangle(state_->mesh, pair.first);
-    check_triangle(other.state_->mesh, pair.second);
+    check_triangle(impl_->mesh, pair.first);
+    check_triangle(other.impl_->mesh, pair.second);
   }
   std::vector<CommonSegment> segments(pairs.size());
-  SearchProgress progress(state_->options, std::ssize(pairs));
+  SearchProgress progress(impl_->options, std::ssize(pairs));
   parallel_ranges(std::ssize(pairs), 256, [&](std::int64_t first, std::int64_t last) {
     for (std::int64_t i = first; i < last; ++i)
-      segments[i] = intersection_segment(corners(*state_, pairs[i].first), corners(*other.state_, pairs[i].second));
+      segments[i] = intersection_segment(corners(*impl_, pairs[i].first), corners(*other.impl_, pairs[i].second));
     progress.add(last - first);
   });
   return segments;

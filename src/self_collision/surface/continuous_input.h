@@ -11,9 +11,9 @@ namespace selvage {
 
 class PairFilter;
 
-/// The position of a vertex in the frame at the start of a step (x, y, z, 0) and at its end (x, y, z, 0), each
+/// The position of a vertex in box units at the start of a step (x, y, z, 0) and at its end (x, y, z, 0), each
 /// coordinate rounded to the nearest float.
-struct alignas(32) MovingRow {
+struct alignas(32) MovingVertex {
   float coordinates[8];
 };
 
@@ -33,8 +33,8 @@ struct ContinuousInput {
   const VertexTuple<2>* edges;
   const Vec3* positions_t0;
   const Vec3* positions_t1;
-  const MovingRow* rounded;        ///< per vertex
-  const float* thickness;          ///< per vertex, in the frame, rounded up; null: none
+  const MovingVertex* rounded;     ///< per vertex
+  const float* thickness;          ///< per vertex, in box units, rounded up; null: none
   const double* vertex_thickness;  ///< per vertex [m]; null: none
   const PairFilter* filter;        ///< null: keeps all
   CulledNodes culled = {};

@@ -45,8 +45,8 @@ void fill_four(const Row* rows, const LeafVertices& leaves, int first, BvhNode& 
 
 }  // namespace
 
-PoseFrame frame_around(const PositionExtent<3>& extent) {
-  return extent.lower[0] <= extent.upper[0] ? PoseFrame(extent.lower, extent.upper) : PoseFrame();
+BoxUnits box_units_around(const PositionExtent<3>& extent) {
+  return extent.lower[0] <= extent.upper[0] ? BoxUnits(extent.lower, extent.upper) : BoxUnits();
 }
 
 void check_thickness(const TriangleMesh& mesh, std::span<const double> thickness) {
@@ -59,19 +59,19 @@ void check_thickness(const TriangleMesh& mesh, std::span<const double> thickness
 }
 
 void DeformedSurface::place(const TriangleMesh& mesh, std::span<const Vec3> positions,
-                            std::span<const double> thickness, const PoseFrame& frame) {
+                            std::span<const double> thickness, const BoxUnits& units) {
   positions_.resize(positions.size());
   rounded_.resize(positions.size());
   parallel_for(std::ssize(positions), kGrain, [&](std::int64_t v) {
     positions_[v] = positions[v];
-    const Vec3 x = frame.map(positions[v]);
+    const Vec3 x = units.map(positions[v]);
     rounded_[v] = {round_down(x[0]), round_down(x[1]), round_down(x[2]), 0};
   });
   thickness_.resize(thickness.empty() ? 0 : mesh.triangle_count());
   parallel_for(std::ssize(thickness_), kGrain, [&](std::int64_t t) {
     const auto& [a, b, c] = mesh.triangles()[t];
     // A little more, for the rounding of map_length(): pairs that are too far apart are rejected later.
-    const double length = frame.map_length(std::max({thickness[a], thickness[b], thickness[c]}));
+    const double length = units.map_length(std::max({thickness[a], thickness[b], thickness[c]}));
     thickness_[t] = round_up(length * (1 + 0x1p-40));
   });
 }

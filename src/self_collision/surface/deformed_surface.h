@@ -10,19 +10,19 @@ namespace selvage {
 /// A surface in one pose, as the hierarchy and the filters in single precision see it.
 class DeformedSurface {
  public:
-  /// Takes positions and the thickness at each vertex (or none) into a frame. O(n), parallel.
+  /// Takes positions and the thickness at each vertex (or none) into box units. O(n), parallel.
   void place(const TriangleMesh& mesh, std::span<const Vec3> positions, std::span<const double> thickness,
-             const PoseFrame& frame);
+             const BoxUnits& units);
 
   std::span<const Vec3> positions() const { return positions_; }
 
-  /// Per vertex its place in the frame, each coordinate rounded down to a float (the rest 0).
+  /// Per vertex its place in box units, each coordinate rounded down to a float (the rest 0).
   std::span<const std::array<float, 4>> rounded() const { return rounded_; }
 
-  /// Per triangle, in the frame: its thickness rounded up. Without thickness there is no entry.
+  /// Per triangle, in box units: its thickness rounded up. Without thickness there is no entry.
   std::span<const float> thickness() const { return thickness_; }
 
-  /// Boxes in the frame, around a triangle and its thickness.
+  /// Boxes in box units, around a triangle and its thickness.
   Box box(const TriangleMesh& mesh, Index triangle) const;
   std::vector<Box> boxes(const TriangleMesh& mesh) const;
 
@@ -35,8 +35,8 @@ class DeformedSurface {
   std::vector<float> thickness_;
 };
 
-/// The frame of positions of this extent.
-PoseFrame frame_around(const PositionExtent<3>& extent);
+/// The box units of positions of this extent.
+BoxUnits box_units_around(const PositionExtent<3>& extent);
 
 /// @throws Error  when there is neither no thickness nor one per vertex, or one is no length
 void check_thickness(const TriangleMesh& mesh, std::span<const double> thickness);

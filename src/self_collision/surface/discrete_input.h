@@ -18,8 +18,8 @@ struct SurfaceView {
   const Index* triangle_of;    ///< per primitive of the hierarchy its triangle; null: the same
   const VertexTuple<3>* triangles;
   const Vec3* positions;
-  const std::array<float, 4>* rounded;  ///< per vertex: its place in the frame, see DeformedSurface
-  const float* thickness;               ///< per triangle, in the frame; null: none
+  const std::array<float, 4>* rounded;  ///< per vertex: its place in box units, see DeformedSurface
+  const float* thickness;               ///< per triangle, in box units; null: none
   const double* vertex_thickness;       ///< per vertex [m]; null: none
 };
 

@@ -15,7 +15,7 @@ SELVAGE_INLINE MovingCorner operator-(const MovingCorner& a, const MovingCorner&
 }
 
 /// Gathers eight rows into a point.
-SELVAGE_INLINE MovingCorner gather_moving(const MovingRow* rows, const Index (&vertices)[8]) {
+SELVAGE_INLINE MovingCorner gather_moving(const MovingVertex* rows, const Index (&vertices)[8]) {
   Float8 low[4], high[4];
   for (int i = 0; i < 4; ++i) {
     low[i] = Float8::load(rows[vertices[i]].coordinates);
@@ -66,7 +66,7 @@ class MovingSets {
   /// @param vertices  for each of the points, the eight vertices
   /// @param thickness  per vertex, or null: sets are apart where they are farther apart than the largest of the one and
   ///                   the largest of the other together
-  SELVAGE_INLINE MovingSets(const MovingRow* rows, const Index (&vertices)[kPoints][8], const float* thickness) {
+  SELVAGE_INLINE MovingSets(const MovingVertex* rows, const Index (&vertices)[kPoints][8], const float* thickness) {
     for (int i = 0; i < kPoints; ++i) points_[i] = gather_moving(rows, vertices[i]);
     // As the first one sees the others: what all have in common of their places and motions costs no bits.
     const MovingCorner origin = points_[0];
@@ -77,7 +77,7 @@ class MovingSets {
     }
     // Along a direction, two positions of which each is off by a rounding, and ten more of each while times are
     // shortened and dot products taken: in all less than this for each unit of the sum of the direction's coordinates.
-    error_ = Float8::broadcast(4.1f * kFrameRounding) + far_ * Float8::broadcast(0x1p-19f);
+    error_ = Float8::broadcast(4.1f * kBoxRounding) + far_ * Float8::broadcast(0x1p-19f);
     gap_ = thickness == nullptr ? error_ : error_ + distance(thickness, vertices);
   }
 

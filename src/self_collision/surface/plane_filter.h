@@ -24,13 +24,13 @@ SELVAGE_INLINE WideVec3 gather_corner(const std::array<float, 4>* rows, Vertex&&
 /// How far a difference of two positions may be off, no coordinate of it being larger than `far`: by two roundings of
 /// positions, its own, and its share of what products and sums of six products of three differences round off.
 SELVAGE_INLINE Float8 difference_error(Float8 far) {
-  return Float8::broadcast(2 * kFrameRounding) + far * Float8::broadcast(0x1p-22f);
+  return Float8::broadcast(2 * kBoxRounding) + far * Float8::broadcast(0x1p-22f);
 }
 
 /// Heights of three points over the plane of a triangle, times the length of its normal.
 struct WideHeights {
   Float8 values[3];
-  Float8 bound;   ///< how far they may be off, each coordinate being off by at most kFrameRounding
+  Float8 bound;   ///< how far they may be off, each coordinate being off by at most kBoxRounding
   Float8 length;  ///< the normal is not longer
 };
 
@@ -70,7 +70,7 @@ SELVAGE_INLINE unsigned beside_plane(const WideVec3 (&triangle)[3], const WideVe
 /// it is larger than `far`.
 SELVAGE_INLINE Float8 rounding_along(const WideVec3& direction, Float8 far) {
   // Two positions off by their rounding, and below 16 roundings of differences and dot products.
-  const Float8 error = Float8::broadcast(2 * kFrameRounding) + far * Float8::broadcast(0x1p-20f);
+  const Float8 error = Float8::broadcast(2 * kBoxRounding) + far * Float8::broadcast(0x1p-20f);
   const Float8 length = abs_sum(direction);
   return error * length + Float8::broadcast(1e-30f);
 }
@@ -115,8 +115,8 @@ SELVAGE_INLINE unsigned apart_but_for_edge(const WideVec3& edge, const WideVec3&
   // at a point as far away as the farthest: three times far is more than that, and abs_max(edge) less than the length
   // of the edge.
   const Float8 tilt = (abs(dot(direction, edge)) + bound) * far * Float8::broadcast(3) /
-                      (abs_max(edge) - Float8::broadcast(2 * kFrameRounding));
-  const unsigned long_enough = less_equal(Float8::broadcast(4 * kFrameRounding), abs_max(edge));
+                      (abs_max(edge) - Float8::broadcast(2 * kBoxRounding));
+  const unsigned long_enough = less_equal(Float8::broadcast(4 * kBoxRounding), abs_max(edge));
   return long_enough & less_equal(bound + tilt, dot(direction, a)) &
          less_equal(dot(direction, b), negate(bound + tilt));
 }
@@ -131,7 +131,7 @@ SELVAGE_INLINE unsigned apart_by_edges(const WideVec3 (&first)[3], const WideVec
   Float8 far = Float8::broadcast(0);
   for (int i = 0; i < 3; ++i) far = max(far, max(abs_max(a[i]), abs_max(b[i])));
   // Two positions off by their rounding, and below 16 roundings of differences and dot products.
-  const Float8 error = Float8::broadcast(2 * kFrameRounding) + far * Float8::broadcast(0x1p-20f);
+  const Float8 error = Float8::broadcast(2 * kBoxRounding) + far * Float8::broadcast(0x1p-20f);
   const WideVec3 edges_a[3] = {a[1] - a[0], a[2] - a[1], a[0] - a[2]};
   const WideVec3 edges_b[3] = {b[1] - b[0], b[2] - b[1], b[0] - b[2]};
   const WideVec3 normal_a = cross(edges_a[0], edges_a[1]), normal_b = cross(edges_b[0], edges_b[1]);

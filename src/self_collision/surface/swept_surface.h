@@ -9,21 +9,21 @@ namespace selvage {
 /// A surface that moves, as the hierarchy and the filters in single precision see it.
 class SweptSurface {
  public:
-  /// Takes the positions at both ends of a step, and the thickness at each vertex (or none), into a frame. O(n),
+  /// Takes the positions at both ends of a step, and the thickness at each vertex (or none), into box units. O(n),
   /// parallel.
   void place(const TriangleMesh& mesh, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1,
-             std::span<const double> thickness, const PoseFrame& frame);
+             std::span<const double> thickness, const BoxUnits& units);
 
   std::span<const Vec3> positions_t0() const { return positions_t0_; }
   std::span<const Vec3> positions_t1() const { return positions_t1_; }
 
-  /// Per vertex its places in the frame.
-  std::span<const MovingRow> rounded() const { return rounded_; }
+  /// Per vertex its places in box units.
+  std::span<const MovingVertex> rounded() const { return rounded_; }
 
-  /// Per vertex its thickness in the frame, rounded up. Without thickness there is no entry.
+  /// Per vertex its thickness in box units, rounded up. Without thickness there is no entry.
   std::span<const float> thickness() const { return thickness_; }
 
-  /// Per triangle its box over the step, in the frame, with the largest thickness of its vertices around it.
+  /// Per triangle its box over the step, in box units, with the largest thickness of its vertices around it.
   std::span<const Box> boxes() const { return boxes_; }
 
   /// There are no boxes any more, until the next place().
@@ -31,7 +31,7 @@ class SweptSurface {
 
  private:
   UnsetVector<Vec3> positions_t0_, positions_t1_;
-  UnsetVector<MovingRow> rounded_;
+  UnsetVector<MovingVertex> rounded_;
   UnsetVector<float> thickness_;
   UnsetVector<Box> boxes_;
 };

@@ -28,10 +28,10 @@ class Scaling {
   double half_ = 1, rest_ = 1;
 };
 
-/// State of a PointLocator, and of the BoundaryPathFinder that stands on it. The hierarchy over the faces serves the
-/// finder alone: the locator never builds or refits it.
+/// The contents of a PointLocator, and of the BoundaryPathFinder that stands on it. The hierarchy over the faces serves
+/// the finder alone: the locator never builds or refits it.
 template <int D>
-struct LocatorState {
+struct LocatorImpl {
   const SimplexMesh<D>& mesh;
   PathTopology<D> topology;
   DeformedMesh<D> pose;
@@ -39,7 +39,7 @@ struct LocatorState {
   Scaling to_internal, from_internal;
 
   /// @throws Error  when the mesh has no element, which one made by default has not
-  LocatorState(const SimplexMesh<D>& m, std::span<const Vec<D>> positions);
+  LocatorImpl(const SimplexMesh<D>& m, std::span<const Vec<D>> positions);
 
   void update(std::span<const Vec<D>> positions);
   void rebuild(std::span<const Vec<D>> positions);
@@ -58,8 +58,8 @@ struct LocatorState {
   void take_scale();
 };
 
-extern template struct LocatorState<2>;
-extern template struct LocatorState<3>;
+extern template struct LocatorImpl<2>;
+extern template struct LocatorImpl<3>;
 
 /// Primitives of a hierarchy whose boxes meet each of some boxes.
 /// @param box_of  `Box box_of(std::int64_t i)`, the i-th box
