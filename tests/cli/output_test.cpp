@@ -160,14 +160,14 @@ TEST(Console, StopwatchKeepsThePhasesInOrder) {
 }
 
 /// What a progress bar writes while standard error is `descriptor`.
-std::string bar_output(int descriptor, int readable, bool quiet) {
+std::string bar_output(int descriptor, int readable, bool quiet, std::string_view note = {}) {
   const int saved = dup(STDERR_FILENO);
   dup2(descriptor, STDERR_FILENO);
   {
     ProgressBar bar("work", quiet);
     bar.show(0.1);  // too early to be worth a word
     usleep(550000);
-    bar.show(0.5);
+    bar.show(0.5, note);
   }
   dup2(saved, STDERR_FILENO);
   close(saved);
@@ -194,6 +194,22 @@ TEST(Console, ProgressBarIsForTerminalsOnly) {
   EXPECT_EQ(bar_output(ends[1], ends[0], false), "\n");
   close(ends[0]);
   close(ends[1]);
+}
+
+TEST(Console, ProgressBarIsShorterWhereItsNoteIsLong) {
+  int terminal = -1, other_end = -1;
+  winsize size{};
+  size.ws_col = 60;
+  if (openpty(&other_end, &terminal, nullptr, nullptr, &size) != 0)
+    GTEST_SKIP() << "there are no pseudo-terminals here";
+  const std::string note = "12 of 60, 140 frames a minute";
+  const std::string seen = bar_output(terminal, other_end, false, note);
+  EXPECT_NE(seen.find("work [========        ]  50%  " + note), std::string::npos) << seen;
+  const std::string longer = note + ", 21 s left, and more than fits in";
+  const std::string cut = bar_output(terminal, other_end, false, longer);
+  EXPECT_NE(cut.find("work [====    ]  50%  " + longer.substr(0, 59 - 22) + "\033"), std::string::npos) << cut;
+  close(terminal);
+  close(other_end);
 }
 
 }  // namespace

@@ -72,7 +72,7 @@ TEST_F(Resolve, SaysWhatIsStuckAndWritesNoMesh) {
 TEST_F(Resolve, SaysAtOnceWhatPinsHold) {
   run_well("make box --cell 0.25 --pose overlap,dx=0.8 -o tangled.vtu -q");
   expect_refused("resolve tangled.vtu -o out.vtu --pin-box -9 -9 -9 9 9 9 --json report.json", 3,
-                 {"tangled.vtu: cannot be resolved with these pins", " elements: ", "; pin less"});
+                 {"tangled.vtu: cannot be resolved with these pins", " elements: ", "; pin fewer vertices"});
   EXPECT_EQ(files(), (std::vector<std::string>{"report.json", "tangled.vtu"}));
   const auto report = nlohmann::json::parse(read_text(file("report.json")));
   EXPECT_EQ(report["outcome"], "held");

@@ -75,7 +75,7 @@ std::vector<AskedPoint> read_points(const std::filesystem::path& path, Index ele
     points.back().line = line;
   }
   if (file.bad()) throw Error(path.string(), "cannot be read to its end");
-  if (points.empty()) throw Error(path.string(), "there is no point", "write one x,y,z a line");
+  if (points.empty()) throw Error(path.string(), "there is no point", "write one x,y,z on each line");
   return points;
 }
 

@@ -19,7 +19,7 @@ std::vector<Index> read_vertices(const std::filesystem::path& path, Index vertex
     if (content.empty()) continue;
     const std::string place = fmt::format("{}:{}", path.string(), line);
     const auto vertex = read_number<std::int64_t>(content);
-    if (!vertex) throw Error(place, fmt::format("'{}' is not a vertex number", content), "write one a line");
+    if (!vertex) throw Error(place, fmt::format("'{}' is not a vertex number", content), "write one on each line");
     if (*vertex < 0 || *vertex >= vertex_count)
       throw Error(place, fmt::format("there is no vertex {}", *vertex),
                   fmt::format("vertices are numbered from 0 to {}", vertex_count - 1));

@@ -81,7 +81,8 @@ void run_bench(BenchOptions& options) {
   }
   if (options.names.empty()) options.names.assign(kAll.begin(), kAll.end());
   const std::string& json = options.common.json;
-  if (!json.empty() && options.names.size() > 1) throw Error("--json", "holds one measurement", "name just one");
+  if (!json.empty() && options.names.size() > 1)
+    throw Error("--json", "holds the result of one measurement", "name just one");
   OutputFiles outputs;
   outputs.expect(json);
   for (const std::string& name : options.names) {

@@ -30,7 +30,7 @@ constexpr const char* kCheckExample =
     "  selvage check bent.vtu --adjacent --json pairs.json --vtu marked.vtu\n"
     "  selvage check rod.vtu --to bent.vtu\n"
     "\n"
-    "Exit status 1: there are collisions.\n"
+    "Exit status: 0 no collision, 1 collisions, 2 bad usage or bad input, 3 the computation failed.\n"
     "\n"
     "In JSON, `triangle_pairs` are pairs of triangle numbers, from 0, in the order of the file; of a tetrahedral "
     "mesh, in the order of `triangles`, which lists their vertices. `contacts` gives the kind of each pair: "
@@ -146,9 +146,9 @@ int run_check(const CheckOptions& options) {
   outputs.expect(options.common.json, inputs);
   outputs.expect(options.vtu, inputs);
   if (options.adjacent && !options.end_mesh.empty())
-    throw Error("--adjacent", "has no meaning for a step", "leave out this option or --to");
+    throw Error("--adjacent", "does not apply to a step", "leave out --adjacent or --to");
   if (options.segments && !options.end_mesh.empty())
-    throw Error("--segments", "has no meaning for a step", "leave out this option or --to");
+    throw Error("--segments", "does not apply to a step", "leave out --segments or --to");
   if (options.segments && options.common.json.empty())
     throw Error("--segments", "has no effect without --json", "add --json FILE");
   if (!options.vtu.empty() && std::filesystem::path(options.vtu).extension() != ".vtu")
@@ -186,9 +186,9 @@ Command add_check(CLI::App& app) {
                      fmt::join(culling_method_names(), ", ")))
       ->type_name("NAME");
   sub->add_flag("--adjacent", options->adjacent,
-                "Also triangles that share a vertex or an edge and meet anywhere else");
+                "Find also the pairs of triangles that share a vertex or an edge and meet anywhere else");
   sub->add_flag("--segments", options->segments,
-                "In JSON also the segment that the triangles of each pair share, by its two ends");
+                "With --json: write also the segment in which the two triangles of each pair meet, by its ends");
   sub->add_option("--vtu", options->vtu, "Write the surface with the colliding triangles marked, for ParaView")
       ->type_name("FILE.vtu");
   return {sub, &options->common, [options] { return run_check(*options); }};

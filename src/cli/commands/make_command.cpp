@@ -44,6 +44,8 @@ constexpr const char* kMakeExample =
     "  octopus       --radius 1 --seed 1 --slenderness 1\n"
     "  cloth         --size 2 2\n"
     "\n"
+    "Box, beam and cloth have a corner at the origin; rod, tube and noodle begin there; all others surround it.\n"
+    "\n"
     "Poses, with their defaults; without an axis, the longest one of the mesh:\n"
     "  twist,turns=1   bend,turns=1.25   fold,angle=4.2   self-crossing,crossings=2\n"
     "  swirl,turns=0.15,core=0.5   overlap: a copy, a third of its size away";
@@ -124,9 +126,10 @@ void add_measures(CLI::App& app, MakeOptions& options) {
   app.add_option("--curve", options.curve, "Rod: the curve it follows: straight, trefoil, nested-knot or coil")
       ->check(CLI::IsMember({"straight", "trefoil", "nested-knot", "coil"}))
       ->type_name("NAME");
-  app.add_option("--tentacles", m.tentacles, "Squishy ball: how many")->type_name("N");
+  app.add_option("--tentacles", m.tentacles, "Squishy ball: number of tentacles")->type_name("N");
   app.add_option("--seed", m.seed, "Octopus, squishy ball: seed of the random shape")->type_name("N");
-  app.add_option("--slenderness", m.slenderness, "Octopus, squishy ball: from 1, thinner arms and longer tentacles")
+  app.add_option("--slenderness", m.slenderness,
+                 "Octopus, squishy ball: 1 or more; the larger, the thinner and longer the arms")
       ->type_name("S");
 }
 
@@ -134,7 +137,8 @@ void add_measures(CLI::App& app, MakeOptions& options) {
 
 Command add_make(CLI::App& app) {
   auto options = std::make_shared<MakeOptions>();
-  CLI::App* sub = add_subcommand(app, "make", "Makes a mesh by formula, and tangles it.", kMakeExample);
+  CLI::App* sub =
+      add_subcommand(app, "make", "Makes a mesh of a named shape. Poses bend, twist or tangle it.", kMakeExample);
   sub->add_option("shape", options->shape, fmt::format("One of {}", fmt::join(shape_names(), ", ")))
       ->required()
       ->type_name("SHAPE");
@@ -142,10 +146,11 @@ Command add_make(CLI::App& app) {
       ->required()
       ->type_name("MESH");
   add_measures(*sub, *options);
-  sub->add_option("--pose", options->poses,
-                  fmt::format("Tangle it: NAME[,KEY=VALUE]..., one of {}, with axis=x|y|z, turns=, angle= [rad], "
-                              "crossings=, core=, dx= dy= dz= [m] where the pose has it; several are applied in turn",
-                              fmt::join(pose_names(), ", ")))
+  sub->add_option(
+         "--pose", options->poses,
+         fmt::format("Pose of the mesh: NAME[,KEY=VALUE]..., NAME one of {}, with axis=x|y|z, turns=, angle= [rad], "
+                     "crossings=, core=, dx= dy= dz= [m] where the pose has them; several poses are applied in turn",
+                     fmt::join(pose_names(), ", ")))
       ->take_all()
       ->expected(1)
       ->type_name("POSE");

@@ -163,7 +163,7 @@ void print_summary(const PathsOptions& options, const SearchResult& result, cons
   }
   std::string times;
   for (const auto& [phase, seconds] : watch.laps()) times += fmt::format("{} {}, ", phase, readable_seconds(seconds));
-  table.add("time", fmt::format("{}together {}", times, readable_seconds(watch.total())));
+  table.add("time", fmt::format("{}total {}", times, readable_seconds(watch.total())));
   table.print();
 }
 

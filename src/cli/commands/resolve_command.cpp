@@ -135,8 +135,8 @@ void print_summary(const ResolveCommandOptions& options, const ResolveReport& re
                                  report.max_displacement, report.mean_displacement));
   table.add("volume", fmt::format("{:.6g} m^3, changed by {:.2g}%", report.volume_after,
                                   change(report.volume_before, report.volume_after)));
-  table.add("elastic energy", fmt::format("{:.3g} J before, {:.3g} J after, at 1 Pa", report.elastic_energy_before,
-                                          report.elastic_energy_after));
+  table.add("elastic energy", fmt::format("{:.3g} J before, {:.3g} J after, for a Young's modulus of 1 Pa",
+                                          report.elastic_energy_before, report.elastic_energy_after));
   table.add("time", readable_duration(seconds));
   table.print();
 }
@@ -153,7 +153,7 @@ std::string failure_of(const ResolveCommandOptions& options, const ResolveReport
   if (report.outcome == ResolveOutcome::kHeld)
     return fmt::format(
         "{}: cannot be resolved with these pins: pinned parts collide or are inverted, at {} elements: {}; pin "
-        "less",
+        "fewer vertices",
         options.mesh, elements.size(), listed(elements));
   const ResolveIteration& last = report.iterations.back();
   const std::string pins =
@@ -239,7 +239,7 @@ Command add_resolve(CLI::App& app) {
       ->check(CLI::Range(1, 1'000'000))
       ->type_name("N");
   sub->add_option("--patience", options->limits.patience,
-                  "Iterations without progress after which the attempt is stuck (60)")
+                  "Iterations without progress after which the mesh counts as stuck (60)")
       ->check(CLI::Range(1, 1'000'000))
       ->type_name("N");
   return {sub, &options->common, [options] {

@@ -30,7 +30,7 @@ constexpr const char* kSimulateExample =
     "  frames/frame_000012.bin  positions, after a header of 64 bytes:\n"
     "                           numpy.fromfile(name, '<f4', offset=64).reshape(-1, 3)\n"
     "  topology.bin             elements, body of each vertex, boundary faces\n"
-    "  statistics.csv           a row a frame: contacts, paths, penetration, seconds\n"
+    "  statistics.csv           per frame: contacts, paths, penetration, seconds\n"
     "  checkpoint.bin           the state that --resume continues from\n"
     "and at the end summary.json. Scenes and files are explained in docs/guides/simulate.md.";
 
@@ -144,10 +144,11 @@ void run_simulate(const SimulateOptions& options) {
 
 Command add_simulate(CLI::App& app) {
   auto options = std::make_shared<SimulateOptions>();
-  CLI::App* sub = add_subcommand(app, "simulate",
-                                 "Runs a scene of deformable bodies that touch themselves and one another. A run that "
-                                 "was killed is continued with --resume and ends as if it had never stopped.",
-                                 kSimulateExample);
+  CLI::App* sub =
+      add_subcommand(app, "simulate",
+                     "Runs a scene of deformable bodies that touch themselves and one another. A run that "
+                     "was stopped is continued with --resume, and gives the same frames as without the stop.",
+                     kSimulateExample);
   sub->add_option("scene", options->scene, "Scene file")->required()->type_name("SCENE.json");
   sub->add_option("-o,--output", options->folder, "Folder of the run; made if it is not there")
       ->required()

@@ -43,14 +43,16 @@ void ProgressBar::clear() {
 }
 
 void ProgressBar::show(double fraction, std::string_view note) {
-  constexpr int kWidth = 30;
+  constexpr int kMaxWidth = 30, kMinWidth = 8;
   const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   if (!visible_ || elapsed < 0.5) return;
-  const int filled = static_cast<int>(std::clamp(fraction, 0.0, 1.0) * kWidth);
+  const int columns = terminal_width(STDERR_FILENO, 80) - 1;  // a line that is full could not be wiped
+  const int others = static_cast<int>(task_.size() + note.size()) + 10;
+  const int width = std::clamp(columns - others, kMinWidth, kMaxWidth);
+  const int filled = static_cast<int>(std::clamp(fraction, 0.0, 1.0) * width);
   std::string line =
-      fmt::format("{} [{:=<{}}{:{}}] {:3.0f}%  {}", task_, "", filled, "", kWidth - filled, 100 * fraction, note);
-  line.resize(
-      std::min<std::size_t>(line.size(), terminal_width(STDERR_FILENO, 80) - 1));  // else it would not be undone
+      fmt::format("{} [{:=<{}}{:{}}] {:3.0f}%  {}", task_, "", filled, "", width - filled, 100 * fraction, note);
+  line.resize(std::min<std::size_t>(line.size(), columns));
   if (line == drawn_) return;
   fmt::print(stderr, "\r{}\033[K", line);
   std::fflush(stderr);

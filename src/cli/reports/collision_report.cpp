@@ -101,8 +101,8 @@ Json statistics_json(const CollisionReport& report, const SelfCollisionCounters&
           {"box_pairs", c.box_pairs},
           {"adjacent_pairs", c.adjacent_pairs},
           {"tested_nodes", c.tested_nodes},
-          {"cleared_nodes", c.culled_nodes},
-          {"cleared_triangles", c.culled_triangles},
+          {"culled_nodes", c.culled_nodes},
+          {"culled_triangles", c.culled_triangles},
           {"exact_tests", c.exact_tests}};
 }
 
@@ -115,8 +115,8 @@ Json statistics_json(const CollisionReport& report, const ContinuousCounters& c)
           {"vertex_face_boxes", c.vertex_face_boxes},
           {"edge_edge_boxes", c.edge_edge_boxes},
           {"tested_nodes", c.tested_nodes},
-          {"cleared_nodes", c.culled_nodes},
-          {"cleared_triangles", c.culled_triangles},
+          {"culled_nodes", c.culled_nodes},
+          {"culled_triangles", c.culled_triangles},
           {"exact_tests", c.exact_tests}};
 }
 
@@ -188,6 +188,11 @@ VtkGrid mark_collisions(const CollisionReport& report) {
   return grid;
 }
 
+std::string print_free_step(double fraction) {
+  if (fraction == 1) return "the whole step";
+  return fraction > 0 ? fmt::format("until {:.6g} of the step", fraction) : "no part of the step";
+}
+
 void print_summary(const CollisionReport& report, const Stopwatch& watch) {
   Table table;
   table.add("mesh", fmt::format("{}, {} {}", report.mesh, grouped(report.surface.triangle_count()),
@@ -200,18 +205,16 @@ void print_summary(const CollisionReport& report, const Stopwatch& watch) {
     const auto most = std::max_element(counts.begin(), counts.end());
     const auto [lower, upper] = place_of(report);
     table.add("triangles in pairs",
-              fmt::format("{}; triangle {} is in the most: {}",
+              fmt::format("{}; triangle {} has the most pairs, {}",
                           grouped(std::count_if(counts.begin(), counts.end(), [](std::int64_t n) { return n > 0; })),
                           most - counts.begin(), grouped(*most)));
     table.add("where", fmt::format("from {:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g} m", lower[0], lower[1], lower[2],
                                    upper[0], upper[1], upper[2]));
   }
-  if (!report.end_mesh.empty())
-    table.add("free of collisions",
-              report.free_step == 1 ? "the whole step" : fmt::format("the first {:.6g} of the step", report.free_step));
+  if (!report.end_mesh.empty()) table.add("free of collisions", print_free_step(report.free_step));
   std::string times;
   for (const auto& [phase, seconds] : watch.laps()) times += fmt::format("{} {}, ", phase, readable_seconds(seconds));
-  table.add("time", fmt::format("{}together {}", times, readable_seconds(watch.total())));
+  table.add("time", fmt::format("{}total {}", times, readable_seconds(watch.total())));
   table.print();
 }
 
