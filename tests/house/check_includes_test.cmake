@@ -1,16 +1,12 @@
 # cmake -DSCRATCH=<folder> -P check_includes_test.cmake: check_includes.cmake finds what it is there to find.
 
+include(${CMAKE_CURRENT_LIST_DIR}/expect_verdict.cmake)
+
 # expect(PASSES|FAILS FILE INCLUDE-LINE [MESSAGE]): the verdict on a repository of one file with one include.
 function(expect verdict file line)
   file(REMOVE_RECURSE ${SCRATCH})
   file(WRITE ${SCRATCH}/${file} "#pragma once\n${line}\n")
-  execute_process(COMMAND ${CMAKE_COMMAND} -DROOT=${SCRATCH} -P ${CMAKE_CURRENT_LIST_DIR}/check_includes.cmake
-                  RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
-  if(verdict STREQUAL PASSES AND NOT status EQUAL 0)
-    message(SEND_ERROR "${file} with '${line}' should pass, but:\n${output}")
-  elseif(verdict STREQUAL FAILS AND (status EQUAL 0 OR NOT output MATCHES "${ARGN}"))
-    message(SEND_ERROR "${file} with '${line}' should fail with '${ARGN}', but:\n${output}")
-  endif()
+  expect_verdict(check_includes -DROOT=${SCRATCH} ${verdict} "${file} with '${line}'" ${ARGN})
 endfunction()
 
 expect(PASSES src/bvh/a.cpp [[#include "selvage/core/types.h"]])

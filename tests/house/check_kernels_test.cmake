@@ -1,11 +1,13 @@
 # cmake -DSCRATCH=<folder> -P check_kernels_test.cmake: check_kernels.cmake finds what it is there to find. The objects
 # here are texts, and nm prints them.
 
+include(${CMAKE_CURRENT_LIST_DIR}/expect_verdict.cmake)
+
 file(REMOVE_RECURSE ${SCRATCH})
 file(WRITE ${SCRATCH}/nm "#!/bin/sh\nfor object; do :; done\nexec cat \"$object\"\n")
 file(CHMOD ${SCRATCH}/nm PERMISSIONS OWNER_READ OWNER_EXECUTE)
 
-# expect(PASSES|FAILS ISA SYMBOL [MESSAGE]): the verdict on kernels of all instruction sets, where that of ISA defines
+# expect(PASSES|FAILS ISA SYMBOL): the verdict on kernels of all instruction sets, where that of ISA defines
 # one more symbol.
 function(expect verdict changed symbol)
   set(list "")
@@ -19,17 +21,11 @@ function(expect verdict changed symbol)
     string(APPEND list "${object}\n")
   endforeach()
   file(WRITE ${SCRATCH}/list.txt "${list}")
-  execute_process(COMMAND ${CMAKE_COMMAND} -DNM=${SCRATCH}/nm -DLIST=${SCRATCH}/list.txt
-                          -P ${CMAKE_CURRENT_LIST_DIR}/check_kernels.cmake
-                  RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
-  if(verdict STREQUAL PASSES AND NOT status EQUAL 0)
-    message(SEND_ERROR "${symbol} for ${changed} should pass, but:\n${output}")
-  elseif(verdict STREQUAL FAILS AND (status EQUAL 0 OR NOT output MATCHES "${symbol}"))
-    message(SEND_ERROR "${symbol} for ${changed} should fail, but:\n${output}")
-  endif()
+  expect_verdict(check_kernels "-DNM=${SCRATCH}/nm;-DLIST=${SCRATCH}/list.txt" ${verdict} "${symbol} for ${changed}"
+                 ${symbol})
 endfunction()
 
-expect(PASSES avx2 _ZN7selvage4avx24WalkILi3EE6followEv)
+expect(PASSES avx2 _ZN7selvage4avx29TraversalILi3EE6followEv)
 expect(PASSES avx2 _ZNSt6vectorIiN7selvage4avx215KernelAllocatorIiEEE9push_backEi)
 expect(PASSES avx512 DW.ref.__gxx_personality_v0)
 foreach(isa IN ITEMS baseline avx2 avx512)

@@ -1,5 +1,7 @@
 # cmake -DSCRATCH=<folder> -P check_links_test.cmake: check_links.cmake finds what it is there to find.
 
+include(${CMAKE_CURRENT_LIST_DIR}/expect_verdict.cmake)
+
 # expect(PASSES|FAILS TEXT [MESSAGE]): the verdict on a repository with one more page of that text.
 function(expect verdict text)
   file(REMOVE_RECURSE ${SCRATCH})
@@ -7,14 +9,7 @@ function(expect verdict text)
   file(WRITE ${SCRATCH}/docs/page.md "# A page\n\n## What it's for: two `things`\n\n${text}\n")
   file(WRITE ${SCRATCH}/docs/images/drawn.svg "<svg/>\n")
   file(WRITE ${SCRATCH}/src/bvh/a.h "/// See ${mention}.\n")
-  execute_process(COMMAND ${CMAKE_COMMAND} -DROOT=${SCRATCH} -P ${CMAKE_CURRENT_LIST_DIR}/check_links.cmake
-                  RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
-  string(REGEX REPLACE "[ \n]+" " " output "${output}")
-  if(verdict STREQUAL PASSES AND NOT status EQUAL 0)
-    message(SEND_ERROR "'${text}' should pass, but:\n${output}")
-  elseif(verdict STREQUAL FAILS AND (status EQUAL 0 OR NOT output MATCHES "${ARGN}"))
-    message(SEND_ERROR "'${text}' should fail with '${ARGN}', but:\n${output}")
-  endif()
+  expect_verdict(check_links -DROOT=${SCRATCH} ${verdict} "'${text}'" ${ARGN})
 endfunction()
 
 set(mention docs/page.md)

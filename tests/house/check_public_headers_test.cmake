@@ -1,5 +1,7 @@
 # cmake -DSCRATCH=<folder> -P check_public_headers_test.cmake: check_public_headers.cmake finds what it is there to find.
 
+include(${CMAKE_CURRENT_LIST_DIR}/expect_verdict.cmake)
+
 # expect(PASSES|FAILS VERSION HEADER LINE [MESSAGE]): the verdict on one public header beside selvage.h and version.h.
 function(expect verdict version header line)
   file(REMOVE_RECURSE ${SCRATCH})
@@ -8,14 +10,8 @@ function(expect verdict version header line)
   file(WRITE ${folder}/version.h "#define SELVAGE_VERSION_MAJOR 1\n#define SELVAGE_VERSION_MINOR 2\n"
              "#define SELVAGE_VERSION_PATCH 3\n#define SELVAGE_VERSION \"1.2.3\"\n")
   file(WRITE ${folder}/${header} "#pragma once\n${line}\n")
-  execute_process(COMMAND ${CMAKE_COMMAND} -DROOT=${SCRATCH} -DVERSION=${version}
-                          -P ${CMAKE_CURRENT_LIST_DIR}/check_public_headers.cmake
-                  RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
-  if(verdict STREQUAL PASSES AND NOT status EQUAL 0)
-    message(SEND_ERROR "${header} with '${line}' should pass, but:\n${output}")
-  elseif(verdict STREQUAL FAILS AND (status EQUAL 0 OR NOT output MATCHES "${ARGN}"))
-    message(SEND_ERROR "${header} with '${line}' should fail with '${ARGN}', but:\n${output}")
-  endif()
+  expect_verdict(check_public_headers "-DROOT=${SCRATCH};-DVERSION=${version}" ${verdict} "${header} with '${line}'"
+                 ${ARGN})
 endfunction()
 
 expect(PASSES 1.2.3 mesh/a.h "#include <vector>")
