@@ -1,8 +1,7 @@
 #include "self_collision/culling_surfaces.h"
 #include "selvage/self_collision/continuous_collision.h"
 #include "test_scale.h"
-
-#include <tbb/global_control.h>
+#include "threads.h"
 
 #include <gtest/gtest.h>
 
@@ -55,8 +54,7 @@ Positions step_from(const Surface& start, double strength, Random& random) {
 }
 
 class ContinuousCullingOf : public testing::TestWithParam<surfaces::Family> {};
-INSTANTIATE_TEST_SUITE_P(All, ContinuousCullingOf, testing::ValuesIn(surfaces::families()),
-                         [](const auto& family) { return family.param.name; });
+INSTANTIATE_TEST_SUITE_P(All, ContinuousCullingOf, testing::ValuesIn(surfaces::families()), surfaces::name_of);
 
 TEST_P(ContinuousCullingOf, ChangesNoAnswer) {
   constexpr double kStrengths[] = {0, 0.01, 0.1, 1, 5};
@@ -127,15 +125,11 @@ TEST(ContinuousCulling, IsTheSameForAnyNumberOfThreads) {
     const Surface start = surfaces::waved_sheet(random);
     const Positions end = step_from(start, 0.3, random);
     for (const CullingMethod method : kAccurateForSteps) {
-      ContinuousCounters one_thread, many;
-      ContinuousPairs pairs;
-      {
-        tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
-        pairs = pairs_by(method, start, end, &one_thread);
-      }
-      EXPECT_EQ(pairs_by(method, start, end, &many), pairs);
-      EXPECT_EQ(many.culled_triangles, one_thread.culled_triangles);
-      EXPECT_EQ(many.node_pairs, one_thread.node_pairs);
+      test::same_for_any_threads([&] {
+        ContinuousCounters counters;
+        const ContinuousPairs pairs = pairs_by(method, start, end, &counters);
+        return std::tuple(pairs, counters.culled_triangles, counters.node_pairs);
+      });
     }
   }
 }

@@ -6,8 +6,7 @@
 #include "selvage/geometry/moving_distance.h"
 #include "selvage/shapes/shapes.h"
 #include "test_scale.h"
-
-#include <tbb/global_control.h>
+#include "threads.h"
 
 #include <gtest/gtest.h>
 
@@ -30,10 +29,6 @@ using test::Random;
 using test::scaled;
 using Positions = std::vector<Vec3>;
 
-bool contains(std::span<const Index> list, Index v) {
-  return std::find(list.begin(), list.end(), v) != list.end();
-}
-
 MovingPoints moving(const Positions& t0, const Positions& t1, const std::array<Index, 4>& v) {
   return {{t0[v[0]], t0[v[1]], t0[v[2]], t0[v[3]]}, {t1[v[0]], t1[v[1]], t1[v[2]], t1[v[3]]}};
 }
@@ -41,30 +36,20 @@ MovingPoints moving(const Positions& t0, const Positions& t1, const std::array<I
 /// Every vertex with every face, every edge with every edge.
 ContinuousPairs all_pairs(const TriangleMesh& mesh, const Positions& t0, const Positions& t1,
                           const std::vector<double>& thickness = {}) {
-  const auto thickest = [&](std::span<const Index> vertices) {
-    double largest = 0;
-    if (!thickness.empty())
-      for (const Index v : vertices) largest = std::max(largest, thickness[v]);
-    return largest;
-  };
   ContinuousPairs pairs;
-  for (Index v = 0; v < mesh.vertex_count(); ++v)
-    for (Index f = 0; f < mesh.triangle_count(); ++f) {
-      const auto& [a, b, c] = mesh.triangles()[f];
-      if (mesh.vertex_triangles(v).empty() || contains(mesh.triangles()[f], v)) continue;
-      const MovingPoints points = moving(t0, t1, {v, a, b, c});
-      if (vertex_meets_face(points) ||
-          vertex_comes_near_face(points, thickest(std::span(&v, 1)) + thickest(mesh.triangles()[f])))
-        pairs.vertex_face.push_back({v, f});
-    }
-  for (Index e = 0; e < mesh.edge_count(); ++e)
-    for (Index f = e + 1; f < mesh.edge_count(); ++f) {
-      const auto &a = mesh.edges()[e], &b = mesh.edges()[f];
-      if (contains(a, b[0]) || contains(a, b[1])) continue;
-      const MovingPoints points = moving(t0, t1, {a[0], a[1], b[0], b[1]});
-      if (edge_meets_edge(points) || edge_comes_near_edge(points, thickest(a) + thickest(b)))
-        pairs.edge_edge.push_back({e, f});
-    }
+  surfaces::visit_vertex_faces(mesh, [&](Index v, Index f) {
+    const auto& [a, b, c] = mesh.triangles()[f];
+    const MovingPoints points = moving(t0, t1, {v, a, b, c});
+    const double near =
+        surfaces::thickest(thickness, std::span(&v, 1)) + surfaces::thickest(thickness, mesh.triangles()[f]);
+    if (vertex_meets_face(points) || vertex_comes_near_face(points, near)) pairs.vertex_face.push_back({v, f});
+  });
+  surfaces::visit_edge_pairs(mesh, [&](Index e, Index f) {
+    const auto &a = mesh.edges()[e], &b = mesh.edges()[f];
+    const MovingPoints points = moving(t0, t1, {a[0], a[1], b[0], b[1]});
+    const double near = surfaces::thickest(thickness, a) + surfaces::thickest(thickness, b);
+    if (edge_meets_edge(points) || edge_comes_near_edge(points, near)) pairs.edge_edge.push_back({e, f});
+  });
   return pairs;
 }
 
@@ -79,8 +64,7 @@ class Continuous : public testing::TestWithParam<surfaces::Family> {
     return kind % 5 == 4 ? end.positions : surfaces::snapped(end, kind % 2 == 0 ? 1 : 7).positions;
   }
 };
-INSTANTIATE_TEST_SUITE_P(All, Continuous, testing::ValuesIn(surfaces::families()),
-                         [](const auto& family) { return family.param.name; });
+INSTANTIATE_TEST_SUITE_P(All, Continuous, testing::ValuesIn(surfaces::families()), surfaces::name_of);
 
 TEST_P(Continuous, PairsAreThoseOfAllPairs) {
   Random random(1);
@@ -171,7 +155,8 @@ TEST_P(Continuous, FiltersKeepWhatTheirTrianglesKeep) {
     expected = all_pairs(mesh, surface.positions, end);
     const auto joined = [&](std::span<const Index> a, std::span<const Index> b) {
       return std::any_of(mesh.edges().begin(), mesh.edges().end(), [&](const auto& e) {
-        return (contains(a, e[0]) && contains(b, e[1])) || (contains(a, e[1]) && contains(b, e[0]));
+        return (surfaces::has_vertex(a, e[0]) && surfaces::has_vertex(b, e[1])) ||
+               (surfaces::has_vertex(a, e[1]) && surfaces::has_vertex(b, e[0]));
       });
     };
     std::erase_if(expected.vertex_face,
@@ -274,24 +259,16 @@ TEST(ContinuousOf, LargeClothIsTheSameForAnyNumberOfThreads) {
     end[v] += Vec3(random.within(-0.1, 0.1), 0.3 * std::sin(3 * end[v][0]), random.within(-0.1, 0.1));
   }
   const TriangleMesh mesh(static_cast<Index>(end.size()), cloth.triangles);
-  ContinuousPairs first;
-  ContinuousCounters first_counters;
-  for (const int threads : {1, 2, 7}) {
-    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    const ContinuousCollisionFinder finder(mesh, cloth.positions, end);
-    ContinuousCounters counters;
-    const ContinuousPairs pairs = finder.find_pairs(&counters);
-    if (first.empty()) {
-      first = pairs;
-      first_counters = counters;
-    }
-    ASSERT_EQ(pairs, first) << threads;
-    EXPECT_EQ(counters.exact_tests, first_counters.exact_tests);
-  }
-  EXPECT_GT(first.edge_edge.size(), 100u);
-  EXPECT_TRUE(std::is_sorted(first.vertex_face.begin(), first.vertex_face.end()));
-  EXPECT_TRUE(std::is_sorted(first.edge_edge.begin(), first.edge_edge.end()));
-  EXPECT_LT(first_counters.exact_tests, first_counters.vertex_face_boxes + first_counters.edge_edge_boxes);
+  ContinuousCounters counters;
+  const auto [pairs, exact_tests] = test::same_for_any_threads([&] {
+    counters = {};
+    const ContinuousPairs found = ContinuousCollisionFinder(mesh, cloth.positions, end).find_pairs(&counters);
+    return std::pair(found, counters.exact_tests);
+  });
+  EXPECT_GT(pairs.edge_edge.size(), 100u);
+  EXPECT_TRUE(std::is_sorted(pairs.vertex_face.begin(), pairs.vertex_face.end()));
+  EXPECT_TRUE(std::is_sorted(pairs.edge_edge.begin(), pairs.edge_edge.end()));
+  EXPECT_LT(exact_tests, counters.vertex_face_boxes + counters.edge_edge_boxes);
 }
 
 TEST(ContinuousOf, BadInputIsRefused) {

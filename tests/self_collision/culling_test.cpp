@@ -5,8 +5,7 @@
 #include "selvage/self_collision/self_collision.h"
 #include "selvage/shapes/sequences.h"
 #include "test_scale.h"
-
-#include <tbb/global_control.h>
+#include "threads.h"
 
 #include <gtest/gtest.h>
 
@@ -49,8 +48,7 @@ void expect_all_agree(const Surface& surface) {
 }
 
 class CullingOf : public testing::TestWithParam<surfaces::Family> {};
-INSTANTIATE_TEST_SUITE_P(All, CullingOf, testing::ValuesIn(surfaces::families()),
-                         [](const auto& family) { return family.param.name; });
+INSTANTIATE_TEST_SUITE_P(All, CullingOf, testing::ValuesIn(surfaces::families()), surfaces::name_of);
 
 TEST_P(CullingOf, ChangesNoAnswer) {
   Random random(11);
@@ -124,15 +122,11 @@ TEST(Culling, IsTheSameForAnyNumberOfThreads) {
   for (int n = 0; n < 5; ++n) {
     const Surface surface = surfaces::waved_sheet(random);
     for (const CullingMethod method : kAccurate) {
-      SelfCollisionCounters one_thread, many;
-      Pairs pairs;
-      {
-        tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
-        pairs = pairs_by(method, surface, false, &one_thread);
-      }
-      EXPECT_EQ(pairs_by(method, surface, false, &many), pairs);
-      EXPECT_EQ(many.culled_triangles, one_thread.culled_triangles);
-      EXPECT_EQ(many.node_pairs, one_thread.node_pairs);
+      test::same_for_any_threads([&] {
+        SelfCollisionCounters counters;
+        const Pairs pairs = pairs_by(method, surface, false, &counters);
+        return std::tuple(pairs, counters.culled_triangles, counters.node_pairs);
+      });
     }
   }
 }

@@ -38,8 +38,7 @@ class Filters : public testing::TestWithParam<surfaces::Family> {
 
   std::size_t all_ = 0, kept_ = 0;
 };
-INSTANTIATE_TEST_SUITE_P(All, Filters, testing::ValuesIn(surfaces::families()),
-                         [](const auto& family) { return family.param.name; });
+INSTANTIATE_TEST_SUITE_P(All, Filters, testing::ValuesIn(surfaces::families()), surfaces::name_of);
 
 TEST_P(Filters, Groups) {
   Random random(1);

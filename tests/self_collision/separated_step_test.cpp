@@ -4,8 +4,7 @@
 #include "selvage/geometry/distance.h"
 #include "selvage/self_collision/continuous_collision.h"
 #include "test_scale.h"
-
-#include <tbb/global_control.h>
+#include "threads.h"
 
 #include <gtest/gtest.h>
 
@@ -29,25 +28,17 @@ static_assert(std::is_constructible_v<ContinuousCollisionFinder, const TriangleM
 
 /// The smallest difference between the distance of a pair and its thickness, over all pairs one by one at one time.
 double smallest_clearance(const TriangleMesh& mesh, const Positions& x, const std::vector<double>& thickness) {
-  const auto thickest = [&](std::span<const Index> vertices) {
-    double largest = 0;
-    for (const Index v : vertices) largest = std::max(largest, thickness[v]);
-    return largest;
-  };
   double smallest = HUGE_VAL;
-  for (Index v = 0; v < mesh.vertex_count(); ++v)
-    for (const auto& t : mesh.triangles()) {
-      if (mesh.vertex_triangles(v).empty() || surfaces::has_vertex(t, v)) continue;
-      const double apart = std::sqrt(closest_point_on_triangle(x[v], x[t[0]], x[t[1]], x[t[2]]).squared_distance);
-      smallest = std::min(smallest, apart - thickness[v] - thickest(t));
-    }
-  for (Index e = 0; e < mesh.edge_count(); ++e)
-    for (Index f = e + 1; f < mesh.edge_count(); ++f) {
-      const auto &a = mesh.edges()[e], &b = mesh.edges()[f];
-      if (surfaces::has_vertex(a, b[0]) || surfaces::has_vertex(a, b[1])) continue;
-      const double apart = std::sqrt(squared_distance(std::array{x[a[0]], x[a[1]]}, std::array{x[b[0]], x[b[1]]}));
-      smallest = std::min(smallest, apart - thickest(a) - thickest(b));
-    }
+  surfaces::visit_vertex_faces(mesh, [&](Index v, Index f) {
+    const auto& t = mesh.triangles()[f];
+    const double apart = std::sqrt(closest_point_on_triangle(x[v], x[t[0]], x[t[1]], x[t[2]]).squared_distance);
+    smallest = std::min(smallest, apart - thickness[v] - surfaces::thickest(thickness, t));
+  });
+  surfaces::visit_edge_pairs(mesh, [&](Index e, Index f) {
+    const auto &a = mesh.edges()[e], &b = mesh.edges()[f];
+    const double apart = std::sqrt(squared_distance(std::array{x[a[0]], x[a[1]]}, std::array{x[b[0]], x[b[1]]}));
+    smallest = std::min(smallest, apart - surfaces::thickest(thickness, a) - surfaces::thickest(thickness, b));
+  });
   return smallest;
 }
 
@@ -99,8 +90,7 @@ TEST(SeparatedStep, KeepsPairsApartAtAllSampledTimesAndEndsWhereOneIsNear) {
 }
 
 class SeparatedStepOf : public testing::TestWithParam<surfaces::Family> {};
-INSTANTIATE_TEST_SUITE_P(All, SeparatedStepOf, testing::ValuesIn(surfaces::families()),
-                         [](const auto& family) { return family.param.name; });
+INSTANTIATE_TEST_SUITE_P(All, SeparatedStepOf, testing::ValuesIn(surfaces::families()), surfaces::name_of);
 
 TEST_P(SeparatedStepOf, IsTheFreeStepWithoutThickness) {
   Random random(52);
@@ -148,16 +138,10 @@ TEST(SeparatedStep, IsTheSameForAnyNumberOfThreads) {
   SelfCollisionOptions options;
   options.thickness.assign(mesh.vertex_count(), 0.01);
   const ContinuousCollisionFinder finder(mesh, sheet.positions, end, options);
-  const auto with_threads = [&](std::size_t count) {
-    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, count);
-    return finder.find_separated_step();
-  };
-  const double one = with_threads(1);
-  EXPECT_GT(one, 0);
-  EXPECT_LT(one, 1);
   for (int n = 0; n < 5; ++n) {
-    EXPECT_EQ(with_threads(2), one);
-    EXPECT_EQ(with_threads(4), one);
+    const double step = test::same_for_any_threads([&] { return finder.find_separated_step(); });
+    EXPECT_GT(step, 0);
+    EXPECT_LT(step, 1);
   }
 }
 

@@ -3,8 +3,7 @@
 #include "self_collision/surfaces.h"
 #include "selvage/self_collision/continuous_collision.h"
 #include "test_scale.h"
-
-#include <tbb/global_control.h>
+#include "threads.h"
 
 #include <gtest/gtest.h>
 
@@ -60,8 +59,7 @@ std::set<IndexPair> culled_neighbours(const TriangleMesh& mesh, const StarSepara
 }
 
 class SeparatedStarsOf : public testing::TestWithParam<surfaces::Family> {};
-INSTANTIATE_TEST_SUITE_P(All, SeparatedStarsOf, testing::ValuesIn(surfaces::families()),
-                         [](const auto& family) { return family.param.name; });
+INSTANTIATE_TEST_SUITE_P(All, SeparatedStarsOf, testing::ValuesIn(surfaces::families()), surfaces::name_of);
 
 // A kept finder knows its stars from the second step on.
 TEST_P(SeparatedStarsOf, ChangeNoAnswer) {
@@ -173,10 +171,7 @@ TEST(StarSeparation, AreTheSameForAnyNumberOfThreads) {
   for (int step = 0; step < 10; ++step) {
     const Positions end = moved(sheet, false, random);
     many.place(sheet.positions, end);
-    {
-      tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
-      one.place(sheet.positions, end);
-    }
+    test::with_threads(1, [&] { one.place(sheet.positions, end); });
     ASSERT_TRUE(std::equal(many.open().begin(), many.open().end(), one.open().begin(), one.open().end()));
     open += many.open().size();
     sheet.positions = end;

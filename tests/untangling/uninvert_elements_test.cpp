@@ -2,10 +2,9 @@
 
 #include "mesh/find_inverted.h"
 #include "selvage/shapes/shapes.h"
+#include "threads.h"
 
 #include <gtest/gtest.h>
-
-#include <tbb/global_control.h>
 
 #include <cmath>
 #include <random>
@@ -80,14 +79,11 @@ TEST(UninvertElements, GivesTheSameBitsForAnyNumberOfThreads) {
       pierced[v] += Vec3(0, 0.45 - 0.01 * pierced[v][0], 0.5);
   const std::vector<Index> inverted = find_inverted(mesh, pierced);
   ASSERT_GT(inverted.size(), 20u);
-  std::vector<Vec3> first;
-  for (const int threads : {1, 2, 4}) {
-    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+  test::same_for_any_threads([&] {
     std::vector<Vec3> positions = pierced;
     EXPECT_TRUE(uninvert_elements(mesh, file.positions, inverted, anywhere, positions).empty());
-    if (threads == 1) first = positions;
-    EXPECT_EQ(positions, first) << threads;
-  }
+    return positions;
+  });
 }
 
 // Elements that are almost flat at rest take a thickness with which the others stay positive.
