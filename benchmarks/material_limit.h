@@ -16,18 +16,18 @@ namespace selvage::bench {
 /// square root and two maxima besides, and what brings numbers to where they are needed.
 inline constexpr double kOperationsPerElement = 329, kOperationsPerDampedElement = 398, kFewerAtFirst = 5;
 
-/// What an iteration over Neo-Hookean elements moves at least: batches are read, their multipliers written; vertices
-/// read and written once, and read as they were at the start of the step where they are damped. [bytes]
+/// Least memory traffic of an iteration over Neo-Hookean elements: batches are read, their multipliers written;
+/// vertices read and written once, and read as they were at the start of the step where they are damped. [bytes]
 inline double material_bytes(double elements, double vertices, bool damped) {
   return elements * (sizeof(ElementBatch) + 2 * 8 * kBatch) / kBatch + (damped ? 3 : 2) * vertices * sizeof(StepVertex);
 }
 
-/// What this machine does at most on some threads.
+/// Highest speed of this machine on some threads.
 struct MachineLimit {
   double operations_per_second = 0;
   double bytes_per_second = 0;
 
-  /// What the iterations of a step over Neo-Hookean bodies take at least: of arithmetic or of memory, whichever is
+  /// Least time of the iterations of a step over Neo-Hookean bodies: of arithmetic or of memory, whichever is
   /// more.
   double seconds(std::span<const Body> bodies, int iterations) const {
     double operations = 0, bytes = 0;

@@ -56,7 +56,7 @@ void solve(benchmark::State& state, MaterialKind kind) {
   }
 }
 
-/// What streaming through memory takes: read and write of as much as an iteration over a large mesh touches.
+/// Time of streaming through memory: read and write of as much as an iteration over a large mesh touches.
 void stream(benchmark::State& state) {
   const tbb::global_control control(tbb::global_control::max_allowed_parallelism, static_cast<int>(state.range(0)));
   std::vector<double> numbers(std::size_t{1} << 27, 1.0);  // 1 GiB
@@ -69,7 +69,7 @@ void stream(benchmark::State& state) {
                          benchmark::Counter::kIsRate);
 }
 
-/// What multiplying and adding in registers takes, on each thread.
+/// Time of multiplying and adding in registers, on each thread.
 void multiply_and_add(benchmark::State& state) {
   std::int64_t operations = 0;
   double sink = 0;

@@ -182,8 +182,60 @@ def draw_contact(folder):
     d.save(folder / "contact.svg")
 
 
+def draw_search(folder):
+    """Left: two nodes and the pairs of their children that meet. Right: what decides a pair of triangles."""
+    d = Drawing(900, 360)
+    # Two strands of a surface, each in four boxes; the strands pass through one another.
+    strands = [[(40 + 6 * i, 215 + 42 * math.cos(0.11 * i + phase)) for i in range(41)] for phase in (0.0, math.pi)]
+    boxes = []
+    for strand, colour in zip(strands, (GOOD, ACCENT)):
+        own = []
+        for k in range(4):
+            part = strand[10 * k:10 * k + 11]
+            low = (min(x for x, _ in part), min(y for _, y in part) - 5)
+            high = (max(x for x, _ in part), max(y for _, y in part) + 5)
+            own.append((low, high))
+            d.polygon([low, (high[0], low[1]), high, (low[0], high[1])], "none", colour, 1.2)
+        boxes.append(own)
+        d.line(strand, colour, 2.6)
+    d.text((46, 290), "A", GOOD, 16)
+    d.text((46, 130), "B", ACCENT, 16)
+    # The mask: one bit for each child of A with each child of B.
+    def meet(a, b):
+        return all(a[0][i] <= b[1][i] and b[0][i] <= a[1][i] for i in (0, 1))
+    left, top, cell = 352, 268, 26
+    for i, a in enumerate(boxes[0]):
+        for k, b in enumerate(boxes[1]):
+            x, y = left + cell * k, top - cell * i
+            square = [(x, y), (x + cell, y), (x + cell, y - cell), (x, y - cell)]
+            d.polygon(square, BAD if meet(a, b) else "white", MUTED, 1, 0.75 if meet(a, b) else 1)
+        d.text((left - 14, top - cell * i - 18), str(i + 1), GOOD, 12, "middle")
+    for k in range(4):
+        d.text((left + cell * k + cell / 2, top + 8), str(k + 1), ACCENT, 12, "middle")
+    d.caption(245, ["The children of two nodes are compared all at once:",
+                    "a bit for each pair of boxes that meet (here four",
+                    "children a node, in the code eight)."])
+    d.line([(490, 30), (490, 330)], "#e4e7eb", 1)
+    # Three triangles against the plane of another, seen along it.
+    for x, name, verdict, colour, triangle in (
+            (570, "beside the plane", "apart", GOOD, [(-34, 20), (28, 34), (4, 78)]),
+            (695, "through both planes", "they cross", BAD, [(-22, -46), (30, 18), (-4, 58)]),
+            (820, "within the rounding", "exact test", ACCENT, [(-34, 2), (30, 38), (2, 72)])):
+        base = 205
+        d.line([(x - 56, base), (x + 56, base)], "#e4e7eb", 11)
+        d.line([(x - 56, base), (x + 56, base)], INK, 2.4)
+        d.polygon([(x + px, base + py) for px, py in triangle], MATERIAL, colour, 2, 0.85)
+        d.text((x, 132), name, INK, 13, "middle")
+        d.text((x, 113), verdict, colour, 15, "middle")
+    d.caption(695, ["A pair of triangles, one seen from its edge, with the bound",
+                    "of all rounding (grey). Single precision decides most pairs;",
+                    "exact arithmetic decides the rest."])
+    d.save(folder / "self_collision.svg")
+
+
 if __name__ == "__main__":
     images = pathlib.Path(__file__).resolve().parent.parent / "docs" / "images"
     draw_paths(images)
     draw_cones(images)
     draw_contact(images)
+    draw_search(images)

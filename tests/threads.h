@@ -6,14 +6,14 @@
 
 namespace selvage::test {
 
-/// What `compute()` gives where so many threads are allowed.
+/// The result of `compute()` where so many threads are allowed.
 template <typename Compute>
 auto with_threads(int count, Compute&& compute) {
   const tbb::global_control control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count));
   return compute();
 }
 
-/// What `compute()` gives with one thread. Fails where it gives anything else with more.
+/// The result of `compute()` with one thread. Fails where it differs with more.
 template <typename Compute>
 auto same_for_any_threads(Compute&& compute) {
   const auto one = with_threads(1, compute);

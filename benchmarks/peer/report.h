@@ -15,7 +15,7 @@ struct Row {
   std::string mesh;
   int threads = 1;
   std::int64_t items = 0;
-  std::string item;     ///< what is counted: query, vertex, tet
+  std::string item;     ///< the unit that is counted: query, vertex, tet
   Duration ours, peer;  ///< medians [s]
   Duration ratio;       ///< peer / ours, median over the rounds
   std::string peer_setting;

@@ -6,7 +6,7 @@
 
 namespace selvage::bench {
 
-/// What one run took: processor time of the whole process, and time on the clock [s].
+/// Cost of one run: processor time of the whole process, and time on the clock [s].
 struct Duration {
   double processor = 0, clock = 0;
 };

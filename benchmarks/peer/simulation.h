@@ -7,7 +7,7 @@
 
 namespace selvage::bench {
 
-/// What to run of the scenes, and how.
+/// Which scenes to run, and how.
 struct SimulationPlan {
   std::filesystem::path folder;     ///< of the scene files
   std::vector<std::string> scenes;  ///< names; empty: all

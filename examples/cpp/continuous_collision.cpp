@@ -1,4 +1,4 @@
-// What meets during a step, and how far the step may go: a ContinuousCollisionFinder.
+// Pairs that meet during a step, and how far the step may go: a ContinuousCollisionFinder.
 #include <selvage/self_collision/continuous_collision.h>
 
 #include <cstdio>

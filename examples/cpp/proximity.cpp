@@ -1,4 +1,4 @@
-// What is near, how near, and where: a ProximityFinder, for barriers, repulsions and thick cloth.
+// Pairs that are near, how near, and where: a ProximityFinder, for barriers, repulsions and thick cloth.
 #include <selvage/self_collision/proximity.h>
 
 #include <cstdio>

@@ -108,7 +108,7 @@ std::vector<Index> BoundaryPathFinder<D>::Impl::order_in_groups(std::span<const 
     std::iota(order.begin(), order.end(), 0);
     return order;
   }
-  // What is needed of a query lies behind what is needed before, far apart: fetched for some queries at a time.
+  // The data of a query lie far apart, one behind the other: they are fetched for some queries at a time.
   constexpr std::size_t kAtOnce = 64;
   std::vector<PlacePair> places(queries.size());
   for (std::size_t first = 0; first < queries.size(); first += kAtOnce) {

@@ -8,7 +8,7 @@
 
 namespace selvage {
 
-// What is here is inlined by force: kernels for different instruction sets use it, and must not share copies.
+// Everything here is inlined by force: kernels for different instruction sets use it, and must not share copies.
 
 /// The float `steps` (-1, 0 or 1) after x in the order of floats.
 SELVAGE_INLINE float neighbour_float(float x, std::int32_t steps) {

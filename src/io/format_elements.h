@@ -40,7 +40,7 @@ class VertexNumbers {
 
   std::int64_t count() const { return count_; }
 
-  /// What the numbers are, for an error message.
+  /// A name for the numbers, for an error message.
   std::string describe() const;
 
  private:

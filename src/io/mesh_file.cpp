@@ -16,7 +16,7 @@ using format::Source;
 
 constexpr FileEncoding kAscii = FileEncoding::kAscii, kBinary = FileEncoding::kBinary;
 
-/// What each extension stands for. A printer without encoding writes ASCII only.
+/// The format of each extension. A printer without encoding writes ASCII only.
 struct Format {
   std::string_view extension;
   IndexedMesh (*parse)(const Source& source);

@@ -18,7 +18,7 @@ struct FileContent {
 
 /// Writes several files, whole or not at all: each is written beside its place first, then all are renamed. (Should the
 /// system refuse the second rename after the first, which it has no reason to, the first file is in place.)
-/// What is no regular file (a device, a pipe) is written to directly.
+/// A file that is not regular (a device, a pipe) is written to directly.
 /// @throws SystemError  when one cannot be written; nothing is left behind
 void write_whole_files(std::span<const FileContent> files);
 

@@ -5,12 +5,13 @@
 
 namespace selvage {
 
-/// What a picture shows, from which each sample's colour is made.
+/// The contents of a picture, from which each sample's colour is made.
 struct PictureContent {
-  int width, height;    ///< [pixels]
-  int samples = 1;      ///< per pixel in each direction
-  ScreenSurface body;   ///< of which the nearest is seen
-  ScreenSurface inner;  ///< what penetrates, of which the nearest is seen through the body; value is depth / deepest
+  int width, height;   ///< [pixels]
+  int samples = 1;     ///< per pixel in each direction
+  ScreenSurface body;  ///< of which the nearest is seen
+  ScreenSurface
+      inner;  ///< the penetrating surface, of which the nearest is seen through the body; value is depth / deepest
 
   bool planar = false;      ///< the body lies in the plane: plain colours that tell how often it covers itself
   bool wireframe = false;   ///< draw the triangles' edges

@@ -14,7 +14,7 @@ struct DrawnPath {
   double depth;  ///< its length [m]
 };
 
-/// What a picture of shortest paths shows.
+/// The contents of a picture of shortest paths.
 struct PathsDrawing {
   std::span<const Vec3> positions;          ///< of all vertices [m]
   std::span<const VertexTuple<3>> surface;  ///< boundary triangles; of a planar mesh its elements

@@ -21,9 +21,9 @@ struct Subject {
 template <int D>
 std::vector<PathQuery<D>> to_library(const std::vector<Query<D>>& queries);
 
-/// What is said about one answer.
+/// The verdict on one answer.
 struct Verdict {
-  std::string complaint;    ///< what is wrong, in words; empty when it is right
+  std::string complaint;    ///< the error, in words; empty when it is right
   bool is_grazing = false;  ///< right only because a path grazes something and closest points may be rounded
 };
 

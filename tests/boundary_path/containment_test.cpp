@@ -72,7 +72,7 @@ void locate_groups_of_every_size(std::size_t number) {
   }
 }
 
-// What a point is asked together with changes nothing.
+// The other points of a question change no answer.
 template <int D>
 void locate_alone_and_together(std::size_t number) {
   const families::Subject<D> subject(families::all_families<D>()[number]);

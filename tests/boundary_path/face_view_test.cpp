@@ -1,4 +1,4 @@
-// What is said of faces in single precision must hold in double precision, for hostile triangles too.
+// Statements about faces in single precision must hold in double precision, for hostile triangles too.
 #include "boundary_path/packets/face_view.h"
 #include "boundary_path/traversal/exact_segment.h"
 #include "selvage/geometry/closest_point.h"

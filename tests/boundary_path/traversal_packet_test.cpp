@@ -109,7 +109,7 @@ Tally compare_many(const Material& material) {
   return tally;
 }
 
-TEST(TetTraversalPacket, finds_most_paths_and_no_others_where_the_mesh_crosses_itself) {
+TEST(TetTraversalPacket, FindsMostPathsAndNoOthersWhereTheMeshCrossesItself) {
   IndexedMesh rod = make_rod(RodCurve::kStraight, 4, 0.1, 0.04);
   pose_self_crossing(rod.positions, 0, 2);
   const Tally tally = compare_many(Material(rod.positions, rod.tetrahedra));
@@ -119,7 +119,7 @@ TEST(TetTraversalPacket, finds_most_paths_and_no_others_where_the_mesh_crosses_i
   EXPECT_GT(static_cast<double>(tally.blocked), 0.5 * static_cast<double>(tally.others));
 }
 
-TEST(TetTraversalPacket, finds_no_others_on_a_lattice) {
+TEST(TetTraversalPacket, FindsNoOthersOnALattice) {
   const families::Pieces<3> grid = families::grid(6, 5, 4);
   const Tally tally = compare_many(Material(grid.positions, grid.elements));
   EXPECT_GT(tally.found, 0);

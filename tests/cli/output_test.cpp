@@ -159,7 +159,7 @@ TEST(Console, StopwatchKeepsThePhasesInOrder) {
   EXPECT_NEAR(watch.total(), watch.laps()[0].second + watch.laps()[1].second, 1e-9);
 }
 
-/// What a progress bar writes while standard error is `descriptor`.
+/// The text that a progress bar writes while standard error is `descriptor`.
 std::string bar_output(int descriptor, int readable, bool quiet, std::string_view note = {}) {
   const int saved = dup(STDERR_FILENO);
   dup2(descriptor, STDERR_FILENO);

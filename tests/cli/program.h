@@ -16,7 +16,7 @@ namespace selvage::testing {
 
 namespace fs = std::filesystem;
 
-/// What a run of the program left behind.
+/// The result of a run of the program.
 struct Outcome {
   int status = -1;
   std::string out, err;

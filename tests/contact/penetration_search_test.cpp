@@ -29,7 +29,7 @@ bool is_inverted_at_the_boundary(const TetMesh& mesh, Index element, std::span<c
          orientation(corners_of(mesh.elements()[element], x)) < 0;
 }
 
-/// What middle_of_parts() does, by labels that spread until none changes.
+/// A twin of middle_of_parts(), by labels that spread until none changes.
 std::optional<EdgePoint> plain_middle_of_parts(const TetMesh& mesh, const std::array<Vec3, 2>& segment,
                                                std::span<const Vec3> x, std::span<const ElementPart> parts,
                                                bool joins) {

@@ -197,7 +197,7 @@ MovingPoints random_doubles(RandomSource& random, ContinuousPair pair, double sc
   return points;
 }
 
-/// What lies on a lattice, up to rounding: points of one lattice that have come to rest on each other, so that they
+/// Points on a lattice, up to rounding: points of one lattice that have come to rest on each other, so that they
 /// meet, or nearly do, at the beginning of a small motion.
 MovingPoints random_resting(RandomSource& random, ContinuousPair pair) {
   const double cell = 0.05, speed = std::ldexp(1.0, static_cast<int>(random.integer(-24, -6)));

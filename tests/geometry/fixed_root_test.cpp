@@ -84,7 +84,7 @@ std::optional<std::vector<RootFacts>> facts_about_roots(const std::array<std::in
   return facts;
 }
 
-/// What fixed integers tell is what those of any size tell, and they tell nearly everything that is not zero.
+/// Fixed integers decide as those of any size do, and they decide nearly every sign that is not zero.
 template <int Degree>
 void compare_with_real_roots(std::uint64_t seed) {
   RandomSource random(seed);

@@ -125,7 +125,7 @@ TEST(AgreeingContacts, DrawNoEndWhereMostPushTheOtherWay) {
   for (const Contact& c : agreeing.contacts) EXPECT_EQ(c.normal, -kAside);
 }
 
-// What has been drawn through is held for a while: it is no longer where the bar is cut.
+// A part that has been drawn through is held for a while: it is no longer where the bar is cut.
 TEST(AgreeingContacts, DrawFromWhereSomethingIsInsideNow) {
   CutBar held(2.5, kAside);
   const CutBar now(3, kAside);

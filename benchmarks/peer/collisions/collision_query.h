@@ -17,7 +17,7 @@ struct PairCount {
   PairCount& operator+=(const PairCount& other);
 };
 
-/// What meets, as numbers; each list sorted. A query fills the lists of its kind.
+/// Pairs that meet, as numbers; each list sorted. A query fills the lists of its kind.
 struct FoundPairs {
   std::vector<IndexPair> triangles;
   std::vector<IndexPair> vertex_face, edge_edge;  ///< edges by their numbers
@@ -28,7 +28,7 @@ struct FoundPairs {
   PairCount count_missing_in(const FoundPairs& others) const;
 };
 
-/// What a search did; sums.
+/// Counters of a search; sums.
 struct CollisionWork {
   std::int64_t node_pairs = 0, self_node_pairs = 0, tested_nodes = 0, box_pairs = 0, exact_tests = 0;
 };

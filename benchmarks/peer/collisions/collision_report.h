@@ -9,7 +9,7 @@
 
 namespace selvage::bench {
 
-/// What a method found in the frames of one surface, and what it did for that; sums over the frames.
+/// Pairs that a method found in the frames of one surface, and its work for that; sums over the frames.
 struct CollisionCount {
   std::string mesh, kind, method;
   std::int64_t triangles = 0, frames = 0;
@@ -19,7 +19,7 @@ struct CollisionCount {
   CollisionWork work{};
 };
 
-/// What a method takes for one frame: refit and all pairs.
+/// Time of a method for one frame: refit and all pairs.
 struct CollisionTime {
   std::string mesh, kind, method;
   int threads = 1;

@@ -24,7 +24,7 @@ class CollisionTables {
   void print_saved_tests() const;
 
  private:
-  /// What was measured, or nothing.
+  /// The measured value, or nothing.
   const CollisionCount* count(const std::string& mesh, const char* kind, const std::string& method) const;
   const CollisionTime* time(const std::string& mesh, const char* kind, const std::string& method) const;
 

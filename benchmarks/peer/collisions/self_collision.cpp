@@ -68,7 +68,7 @@ class CollisionMeasurement {
   std::function<void()> peer_run(const std::string& peer, bool in_parallel) const;
   PeerAgreement compare(const std::string& peer) const;
 
-  /// What the ratio shall reach. Where pairs are few, nearly all that a hierarchy tests are neighbours, which culling
+  /// The ratio to reach. Where pairs are few, nearly all that a hierarchy tests are neighbours, which culling
   /// can spare.
   double target(const std::string& peer) const {
     if (peer == kCgal) return 20;

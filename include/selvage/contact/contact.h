@@ -31,8 +31,8 @@ struct Contact {
   Vec3 normal = Vec3::Zero();     ///< unit; out of the surface, or to the side that the point came from
   Vec3 point = Vec3::Zero();      ///< of the surface: the closest boundary point, or where they met [m]
   double time = 0;                ///< of impact, as a fraction of the step; 0 for DCD
-  Index point_feature = kNone;    ///< what penetrates: a vertex, a boundary edge or an element, by its number
-  Index surface_feature = kNone;  ///< what it meets: a boundary face, or for kEdgeEdge a boundary edge
+  Index point_feature = kNone;    ///< the penetrating feature: a vertex, a boundary edge or an element, by its number
+  Index surface_feature = kNone;  ///< the feature that it meets: a boundary face, or for kEdgeEdge a boundary edge
 };
 
 /// Sum of weights[i] * x[vertices[i]]: where the point is, seen from the surface [m].

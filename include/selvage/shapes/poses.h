@@ -45,7 +45,7 @@ void pose_swirl(IndexedMesh& mesh, double core, double turns);
 /// Moves the vertices from `first` on by `offset`: objects of one mesh overlap. Determinant 1.
 void pose_overlap(std::span<Vec3> positions, Index first, const Vec3& offset);
 
-/// What a named pose may be given; what is left out takes a default that tangles.
+/// Parameters of a named pose; those left out take a default that tangles.
 struct PoseOptions {
   std::optional<int> axis = {};       ///< default: the mesh's longest; not for swirl and overlap
   std::optional<double> turns = {};   ///< twist (1), bend (1.25), swirl (0.15)

@@ -50,7 +50,7 @@ IndexedMesh make_cloth(double width, double height, double cell);
 /// Concatenates several meshes into one with several objects; vertices and elements keep their order.
 IndexedMesh concatenate(std::span<const IndexedMesh> meshes);
 
-/// What a named shape may be given; what is left out takes the shape's own default.
+/// Measures of a named shape; those left out take the shape's own default.
 struct ShapeOptions {
   std::optional<double> cell = {};            ///< edge length of a cell [m]
   std::optional<std::int64_t> elements = {};  ///< instead of `cell`: about this many elements

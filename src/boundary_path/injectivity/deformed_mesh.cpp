@@ -197,7 +197,7 @@ bool DeformedMesh<D>::examine_doubtful(Index element) {
       if (!across.exists()) inverted_owners_[across.boundary_face()] = 1;
   }
   if (sign > 0 && mark_rays(element)) return false;
-  // What its vertices' rays pass is not known: more than one element may hold them.
+  // The elements on its vertices' rays are not known: more than one may hold them.
   for (Index v : mesh_.elements()[element]) {
     add_ray(v, 0, 2);
     add_ray(v, 1, 2);

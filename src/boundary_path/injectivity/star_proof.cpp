@@ -48,7 +48,7 @@ class Star {
   struct Cone {
     int corners[3];
     VertexSet all;
-    VertexSet beyond[3];  ///< what lies strictly beyond each face, and the face's own vertices
+    VertexSet beyond[3];  ///< the vertices strictly beyond each face, and the face's own vertices
   };
 
   bool add(const VertexTuple<4>& element, Index vertex, std::span<const Vec3> positions) {

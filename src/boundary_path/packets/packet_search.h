@@ -138,7 +138,7 @@ class PacketSearch {
   alignas(64) float culling_signs_[kWidth] = {};           ///< the same, as signs
   alignas(64) float query_point_[3][kWidth] = {};          ///< points from the box origin, to the nearest float
   alignas(64) float lower_[3][kWidth], upper_[3][kWidth];  ///< boxes around them
-  alignas(64) float limit_[kWidth];                        ///< what a computed squared distance may be at most
+  alignas(64) float limit_[kWidth];                        ///< upper bound of a computed squared distance
   alignas(64) float sources_[2][kWidth] = {};              ///< vertices on which p lies, or none; as bits
   alignas(64) float barring_sources_[2][kWidth] = {};      ///< the same where their faces prove nothing
   int most_sources_ = 0;                                   ///< vertices on which some p lies

@@ -70,7 +70,7 @@ class TetTraversalPacket {
   unsigned active_ = 0, blocked_ = 0;
   int visited_[kLanes];
   Index element_[kLanes];                          ///< that the segment leaves through its exit face
-  Index next_[kLanes];                             ///< what lies behind the exit face
+  Index next_[kLanes];                             ///< the element behind the exit face
   Index goal_[kLanes], goal_vertices_[2][kLanes];  ///< the owner of the target, or what an element there must have
   Vector16 query_point_, across_[2], along_;       ///< directions across the segments, and an axis along them
   alignas(64) float across_rows_[2][3][kLanes] = {}, along_rows_[3][kLanes] = {};
@@ -135,7 +135,7 @@ SELVAGE_INLINE TetTraversalPacket::RaySpaceVertices TetTraversalPacket::to_ray_s
 /// 2^-24 R. Of each direction across, one coordinate is 0, one 1 or -1 and one, at most 1, is known to 8 units of
 /// 2^-24. So a vertex is off by E = 4 r + 13 units R across the segment, where it lies within 2 R, and the determinant
 /// by 8 E R
-/// + 2 E^2 + 16 units R^2. What underflows is far below the last term.
+/// + 2 E^2 + 16 units R^2. Terms that underflow are far below the last term.
 SELVAGE_INLINE TetTraversalPacket::Sides TetTraversalPacket::sides(const RaySpaceVertices& a,
                                                                    const RaySpaceVertices& b) const {
   const Float16 value = a.x * b.y - a.y * b.x, reach = max(a.reach, b.reach);

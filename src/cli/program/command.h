@@ -16,7 +16,7 @@ struct Failure : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What every subcommand takes.
+/// Options of every subcommand.
 struct CommonOptions {
   int threads = 0;  ///< 0: all cores
   bool quiet = false;

@@ -38,7 +38,7 @@ class ProgressBar {
 
  private:
   std::string task_;
-  std::string drawn_;  ///< what is on the screen
+  std::string drawn_;  ///< the text on the screen
   bool visible_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };

@@ -34,7 +34,7 @@ class HelpFormatter : public CLI::Formatter {
 /// The help that is asked for by the words `help [COMMAND]`, as options: `[COMMAND] --help`.
 std::vector<std::string> words_of_help(const CLI::App& app, std::vector<std::string> words);
 
-/// What is wrong with a command line, in one line without its end.
+/// The error in a command line, in one line without its end.
 std::string explain(const CLI::App& app, const CLI::ParseError& error);
 
 }  // namespace selvage::cli

@@ -8,7 +8,7 @@
 
 namespace selvage::cli {
 
-/// What `check` found on a surface, in one pose or during a step.
+/// The collisions that `check` found on a surface, in one pose or during a step.
 struct CollisionReport {
   std::string mesh, end_mesh, method;  ///< end_mesh is empty for one pose
   bool solid = false;                  ///< the surface is the boundary of a tetrahedral mesh

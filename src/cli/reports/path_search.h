@@ -8,7 +8,7 @@
 
 namespace selvage::cli {
 
-/// What is asked of a mesh.
+/// The questions put to a mesh.
 struct SearchRequest {
   std::optional<std::string> points_file;  ///< without it, the penetrating vertices
   PathOptions options;

@@ -31,7 +31,7 @@ struct PathTable {
   std::vector<PathRow> rows;
 };
 
-/// What all the answers together say.
+/// A summary of all answers.
 struct PathTotals {
   std::int64_t found = 0, no_path = 0, not_in_element = 0;
   const PathRow* deepest = nullptr;  ///< the first of the longest; null when none was found

@@ -23,7 +23,7 @@ class FixedInt {
   }
 
   std::uint64_t word(int i) const { return words_[i]; }
-  /// What all words beyond the highest would be.
+  /// The value of all words beyond the highest.
   std::uint64_t filling() const { return words_[Words - 1] >> 63 != 0 ? ~std::uint64_t{0} : 0; }
 
   /// -1, 0 or 1.

@@ -78,7 +78,7 @@ bool RealRoot::is_root_of(const Cubic& polynomial) {
 
 int RealRoot::step(unsigned log) {
   while (!is_exact_ && k_ < log) halve_interval();
-  // What is exactly at the end of a step is in the one before the next.
+  // A root exactly at the end of a step is in the one before the next.
   ExactInt step = n_;
   if (k_ < log) step <<= log - k_;
   if (is_exact_) step -= 1;

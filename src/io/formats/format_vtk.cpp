@@ -17,7 +17,7 @@ class VtkReader {
   IndexedMesh read() {
     read_header();
     for (std::string_view keyword = cursor_.token(); !keyword.empty(); keyword = cursor_.token()) {
-      // What follows are values on points and cells, behind the whole mesh.
+      // Next are values on points and cells, behind the whole mesh.
       if (keyword == "POINT_DATA" || keyword == "CELL_DATA") break;
       read_section(keyword);
     }

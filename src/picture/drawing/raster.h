@@ -13,7 +13,7 @@ struct ScreenVertex {
   float x, y;              ///< [pixels]
   float distance;          ///< from the eye [m]
   Eigen::Vector3f normal;  ///< in the axes of the camera
-  float value;             ///< what the colour shows
+  float value;             ///< the value that the colour shows
   float weight;            ///< how much of the vertex belongs to the layer, 0 to 1
 };
 

@@ -19,7 +19,7 @@ void add_piece(Material& material, Index columns, Index rows, bool is_tube);
 /// @param k  cells along the unit of the pattern: 14 wide and 17 high, sleeves 5 x 5, the neck 4 x 2
 Material make_shirt(Index k);
 
-/// What the coordinates of make_shirt() reach: from -12 to 12, sleeves included, and from 0 to 17.
+/// The range of the coordinates of make_shirt(): from -12 to 12, sleeves included, and from 0 to 17.
 inline constexpr double kShirtReach = 12, kShirtHeight = 17;
 
 }  // namespace selvage

@@ -203,7 +203,7 @@ class ElementSolver {
     int lane;
     Wide3 start[3];  ///< edges at the start of the step
     Corners corners;
-    WideDouble weight;  ///< what the gradients of a constraint weigh at rest
+    WideDouble weight;  ///< of a constraint's gradients at rest
     Constraint constraint;
 
     SELVAGE_INLINE Elements(const BlockVertices& copies, ElementBatch& b, int l)

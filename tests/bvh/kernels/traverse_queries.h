@@ -4,7 +4,7 @@
 
 namespace selvage {
 
-/// What a nearest search told its visitor, in order.
+/// Primitives that a nearest search named to its visitor, in order.
 struct NearestVisits {
   std::vector<Index> primitives;
   std::vector<float> bounds;  ///< the lower bound of the squared distance that came with each
