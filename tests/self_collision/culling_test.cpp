@@ -1,7 +1,6 @@
 #include "self_collision/culling/enhanced_dual_cone.h"
-#include "self_collision/culling/planar_embedding.h"
 #include "self_collision/culling_surfaces.h"
-#include "self_collision/surface/swept_surface.h"
+#include "self_collision/prepared_surface.h"
 #include "selvage/self_collision/self_collision.h"
 #include "selvage/shapes/sequences.h"
 #include "test_scale.h"
@@ -20,23 +19,8 @@ namespace {
 using surfaces::Surface;
 using test::Random;
 using test::scaled;
-using Pairs = std::vector<TrianglePair>;
-
 constexpr CullingMethod kAccurate[] = {CullingMethod::kNormalCone, CullingMethod::kEnhancedDualCone,
                                        CullingMethod::kAuto};
-
-SelfCollisionOptions by(CullingMethod method, bool adjacent = false) {
-  SelfCollisionOptions options;
-  options.method = method;
-  options.include_adjacent = adjacent;
-  return options;
-}
-
-Pairs pairs_by(CullingMethod method, const Surface& surface, bool adjacent = false,
-               SelfCollisionCounters* counters = nullptr) {
-  const TriangleMesh mesh = surface.mesh();
-  return SelfCollisionFinder(mesh, surface.positions, by(method, adjacent)).find_pairs(counters);
-}
 
 void expect_all_agree(const Surface& surface) {
   for (const bool adjacent : {false, true}) {
@@ -199,39 +183,9 @@ TEST(PublishedConditions, MissPairsOfAShirtStuffedIntoABox) {
   EXPECT_LT(missed_by_dual, all / 2);
 }
 
-/// Per triangle its place in the order of the leaves.
-std::vector<Index> places(const Bvh& bvh) {
-  const std::vector<Index> order = bvh.leaf_order();
-  std::vector<Index> place(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) place[order[i]] = static_cast<Index>(i);
-  return place;
-}
-
-/// A surface with its hierarchy and all that is known of its pieces.
-struct Scene {
-  explicit Scene(const Surface& surface) : mesh(surface.mesh()), positions(surface.positions) {
-    std::vector<Box> boxes;
-    for (const VertexTuple<3>& t : mesh.triangles())
-      boxes.push_back(bounding_box<3>(std::array<Vec3, 3>{positions[t[0]], positions[t[1]], positions[t[2]]}));
-    bvh = Bvh(boxes);
-    pieces = SurfacePieces(mesh, bvh);
-    embedding.place(pieces, {positions});
-  }
-  Scene(const Scene&) = delete;
-
-  const SurfacePieces::Contours& contours(Index node) { return pieces.contours(node, workspace.waiting); }
-
-  TriangleMesh mesh;
-  std::vector<Vec3> positions;
-  Bvh bvh;
-  SurfacePieces pieces;
-  PlanarEmbeddingTest<1> embedding;
-  PlanarEmbeddingTest<1>::Workspace workspace;
-};
-
 /// Nodes that pass all of EDC's conditions as published, and yet hold a pair.
 int nodes_culled_in_error(const Surface& surface) {
-  Scene input(surface);
+  PreparedSurface input(surface);
   const SurfaceCones<1> cones(input.bvh, input.pieces, {input.positions});
   const std::vector<Index> place = places(input.bvh);
   const Pairs pairs = pairs_by(CullingMethod::kBvh, surface);
@@ -258,7 +212,7 @@ TEST(PublishedConditions, AllTogetherDoNotSuffice) {
 /// Pairs of triangles that lie in two children of a node which EDC's condition 3 takes for apart, of a node that is not
 /// culled as a whole: what algorithm 3 skips.
 std::int64_t pairs_skipped_between_siblings(const Surface& surface) {
-  Scene input(surface);
+  PreparedSurface input(surface);
   const SurfaceCones<1> cones(input.bvh, input.pieces, {input.positions});
   const std::vector<Index> place = places(input.bvh);
   const Pairs pairs = pairs_by(CullingMethod::kBvh, surface);
@@ -295,133 +249,6 @@ TEST(PublishedConditions, TraversalSkipsSiblingsThatMeet) {
   EXPECT_LT(found.size(), all.size());
   EXPECT_LT(skipping.node_pairs, simple.node_pairs);
   EXPECT_LE(skipping.tested_nodes, simple.tested_nodes);
-}
-
-TEST(PlanarEmbeddingTest, IsNotFooledByNestedContours) {
-  const Surface surface = surfaces::crosswise_squares();
-  EXPECT_FALSE(pairs_by(CullingMethod::kBvh, surface).empty());
-  Scene input(surface);
-  const ProjectionPlane plane = plane_across(Vec3(0, 0, 1));
-  EXPECT_EQ(input.contours(0).loops.size(), 2u);
-  EXPECT_TRUE(input.embedding.do_triangles_face(0, plane));
-  EXPECT_FALSE(input.embedding.is_contour_embedded(0, plane, input.workspace));
-  ASSERT_NO_FATAL_FAILURE(expect_all_agree(surface));
-}
-
-TEST(PlanarEmbeddingTest, CullsSheetsSideBySideAndWithHoles) {
-  Random random(16);
-  Surface left = surfaces::sheet(6, 6, random), right = left;
-  for (Vec3& x : right.positions) x[0] += 7;
-  Surface both = surfaces::together(left, right);
-  Scene two(both);
-  EXPECT_TRUE(two.embedding.is_embedded(0, two.workspace));
-  for (Vec3& x : right.positions) x += Vec3(-6.5, 0.2, 1);
-  Scene above(surfaces::together(left, right));
-  EXPECT_FALSE(above.embedding.is_embedded(0, above.workspace));
-  std::erase_if(left.triangles, [&](const VertexTuple<3>& t) {
-    const Vec3 middle = (left.positions[t[0]] + left.positions[t[1]] + left.positions[t[2]]) / 3;
-    return middle[0] > 2 && middle[0] < 4 && middle[1] > 2 && middle[1] < 4;
-  });
-  Scene holed(left);
-  EXPECT_EQ(holed.contours(0).loops.size(), 2u);
-  EXPECT_TRUE(holed.embedding.is_embedded(0, holed.workspace));
-}
-
-TEST(PlanarEmbeddingTest, DoesNotDependOnOrientation) {
-  Random random(17);
-  Surface surface = surfaces::sheet(8, 8, random);
-  for (VertexTuple<3>& t : surface.triangles)
-    if (random.below(2) == 0) std::swap(t[0], t[1]);
-  Scene input(surface);
-  EXPECT_TRUE(input.embedding.is_embedded(0, input.workspace));
-}
-
-// A piece that passes the test holds no pair at all, adjacent ones included: each pair that the hierarchy alone
-// finds is looked up in every node.
-TEST(PlanarEmbeddingTest, NoEmbeddedPieceHoldsAPair) {
-  Random random(18);
-  std::int64_t passed = 0;
-  for (std::int64_t n = 0; n < scaled(400); ++n) {
-    const auto& families = surfaces::families();
-    Surface surface = n % 2 == 0 ? surfaces::waved_sheet(random)
-                                 : families[random.below(static_cast<Index>(families.size()))].make(random);
-    if (n % 5 == 0) surface = surfaces::snapped(surface, 2);
-    Scene input(surface);
-    const std::vector<Index> place = places(input.bvh);
-    const Pairs pairs = pairs_by(CullingMethod::kBvh, surface, true);
-    for (Index node = 0; node < static_cast<Index>(input.bvh.nodes().size()); ++node) {
-      if (!input.embedding.is_embedded(node, input.workspace)) continue;
-      ++passed;
-      const auto range = input.pieces.ranges()[node];
-      for (const TrianglePair& pair : pairs)
-        ASSERT_FALSE(range.holds(place[pair.first]) && range.holds(place[pair.second])) << n;
-    }
-  }
-  EXPECT_GT(passed, scaled(400));
-}
-
-/// Every vertex part of the way from one pose to another.
-std::vector<Vec3> between(std::span<const Vec3> from, std::span<const Vec3> to, double t) {
-  std::vector<Vec3> positions;
-  for (std::size_t v = 0; v < from.size(); ++v) positions.push_back((1 - t) * from[v] + t * to[v]);
-  return positions;
-}
-
-// Over a step: a piece that is embedded all the time holds no pair at any time.
-TEST(PlanarEmbeddingTest, NoMovingEmbeddedPieceHoldsAPairAtAnyTime) {
-  Random random(19);
-  std::int64_t passed = 0, passed_in_frame = 0;
-  for (std::int64_t n = 0; n < scaled(150); ++n) {
-    const Surface surface = surfaces::waved_sheet(random);
-    const Surface end = surfaces::jittered(surface, random.unit() * random.unit(), random);
-    Scene input(surface);
-    PlanarEmbeddingTest<2> moving, moving_in_frame;
-    PlanarEmbeddingTest<2>::Workspace workspace;
-    moving.place(input.pieces, {input.positions, end.positions});
-    PositionExtent<3> both = extent_of<3>(std::span<const Vec3>(input.positions));
-    both.add(extent_of<3>(std::span<const Vec3>(end.positions)));
-    SweptSurface pose;
-    pose.place(input.mesh, input.positions, end.positions, {}, box_units_around(both));
-    moving_in_frame.place(input.pieces, {input.positions, end.positions}, pose.rounded());
-    const std::vector<Index> place = places(input.bvh);
-    std::vector<Pairs> pairs;
-    for (const double t : {0.0, 0.2, 0.5, 0.7, 1.0})
-      pairs.push_back(
-          pairs_by(CullingMethod::kBvh, {between(surface.positions, end.positions, t), surface.triangles}, true));
-    for (Index node = 0; node < static_cast<Index>(input.bvh.nodes().size()); ++node) {
-      const bool is_embedded = moving.is_embedded(node, workspace);
-      const bool is_embedded_in_frame = moving_in_frame.is_embedded(node, workspace);
-      passed += is_embedded;
-      passed_in_frame += is_embedded_in_frame;
-      if (!is_embedded && !is_embedded_in_frame) continue;
-      const auto range = input.pieces.ranges()[node];
-      for (const Pairs& at_one_time : pairs)
-        for (const TrianglePair& pair : at_one_time)
-          ASSERT_FALSE(range.holds(place[pair.first]) && range.holds(place[pair.second])) << n;
-    }
-  }
-  EXPECT_GT(passed, scaled(150));
-  EXPECT_GT(passed_in_frame, 0.98 * static_cast<double>(passed));
-}
-
-// A square turned over within the step: embedded at both ends, and flat against an edge between.
-TEST(PlanarEmbeddingTest, SeesWhatHappensBetweenTheEnds) {
-  Random random(20);
-  const Surface surface = surfaces::sheet(6, 6, random);
-  Surface mirrored = surface;
-  for (Vec3& x : mirrored.positions) x[0] = 6 - x[0];
-  Scene input(surface), end(mirrored);
-  EXPECT_TRUE(input.embedding.is_embedded(0, input.workspace));
-  EXPECT_TRUE(end.embedding.is_embedded(0, end.workspace));
-  PlanarEmbeddingTest<2> moving;
-  PlanarEmbeddingTest<2>::Workspace workspace;
-  moving.place(input.pieces, {input.positions, mirrored.positions});
-  EXPECT_FALSE(moving.is_embedded(0, workspace));
-  // Without a change of shape there is nothing to see.
-  for (std::size_t v = 0; v < mirrored.positions.size(); ++v)
-    mirrored.positions[v] = input.positions[v] + Vec3(1, 2, 3);
-  moving.place(input.pieces, {input.positions, mirrored.positions});
-  EXPECT_TRUE(moving.is_embedded(0, workspace));
 }
 
 }  // namespace
