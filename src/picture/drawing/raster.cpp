@@ -106,8 +106,8 @@ void SurfaceBands::draw(std::size_t band, SurfaceLayer& layer) const {
 }
 
 void draw_surface(const ScreenSurface& surface, SurfaceLayer& layer) {
-  constexpr int kBandRows = 32;
-  const SurfaceBands bands(surface, layer.rows.last / layer.samples, kBandRows);
+  constexpr int kTaskRows = 32;
+  const SurfaceBands bands(surface, layer.rows.last / layer.samples, kTaskRows);
   parallel_for(static_cast<std::int64_t>(bands.count()), 1, [&](std::int64_t band) { bands.draw(band, layer); });
 }
 
