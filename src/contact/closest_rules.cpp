@@ -91,7 +91,8 @@ void EuclideanRule::place(std::span<const Vec3> positions) {
 }
 
 bool EuclideanRule::applies_to(const PenetratingPoint& point) const {
-  return vertex_objects_[point.vertices[0]] != object_of(point.query.element);
+  const Index vertex = point.vertices[0];
+  return vertex >= std::ssize(vertex_objects_) || vertex_objects_[vertex] != object_of(point.query.element);
 }
 
 BoundaryPath<3> EuclideanRule::find(const PathQuery<3>& query, std::span<const Vec3> positions) const {

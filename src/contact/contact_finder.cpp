@@ -3,6 +3,7 @@
 #include "contact/closest_rules.h"
 #include "contact/impact_contacts.h"
 #include "contact/inverted_vertices.h"
+#include "contact/obstacles.h"
 #include "contact/path_contact.h"
 #include "contact/penetration_search.h"
 #include "contact/tangles.h"
@@ -68,7 +69,12 @@ struct ContactFinder::State {
   bool has_begun = false;  ///< any step
 
   State(const TetMesh& m, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
-        std::span<const Index> vertex_objects, ContactOptions o);
+        std::span<const Index> vertex_objects, ContactOptions o, std::span<const VertexTuple<3>> obstacles);
+
+  /// With the obstacles'.
+  Index vertex_count() const { return surface.vertex_count(); }
+  std::span<const Vec3> of_mesh(std::span<const Vec3> positions) const { return positions.first(mesh.vertex_count()); }
+  bool is_of_obstacle(Index vertex) const { return vertex >= mesh.vertex_count(); }
 
   bool uses_ccd() const {
     return !options.interior_points && (options.mode == DetectionMode::kCcd || options.mode == DetectionMode::kHybrid);
@@ -96,9 +102,10 @@ struct ContactFinder::State {
 };
 
 ContactFinder::State::State(const TetMesh& m, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
-                            std::span<const Index> vertex_objects, ContactOptions o)
-    : mesh(m), options(o), surface(boundary_surface(m)) {
-  check_positions<3>(positions, mesh.vertex_count());
+                            std::span<const Index> vertex_objects, ContactOptions o,
+                            std::span<const VertexTuple<3>> obstacles)
+    : mesh(m), options(o), surface(surface_with_obstacles(m, obstacles, positions.size())) {
+  check_positions<3>(positions, vertex_count());
   if (!vertex_objects.empty() && std::ssize(vertex_objects) != mesh.vertex_count())
     throw Error("vertex_objects", fmt::format("{} for {} vertices", vertex_objects.size(), mesh.vertex_count()),
                 "give one per vertex, or none at all");
@@ -111,19 +118,19 @@ ContactFinder::State::State(const TetMesh& m, std::span<const Vec3> rest_positio
                    !options.interior_points);
   positions_t0.assign(positions.begin(), positions.end());
   if (search) is_inside.resize(search->feature_count());
-  is_tangled.resize(mesh.vertex_count());
+  is_tangled.resize(vertex_count());
   if (splits() && options.wait_for_inverted) pieces = mesh.element_components();
 }
 
 void ContactFinder::State::begin_step(std::span<const Vec3> positions) {
-  check_positions<3>(positions, mesh.vertex_count());
+  check_positions<3>(positions, vertex_count());
   statistics = {};
   has_begun = true;
   positions_t0.assign(positions.begin(), positions.end());
   if (splits()) split_features();
   if (!options.wait_for_inverted) return;
-  inverted = splits() ? InvertedVertices(mesh, positions_t0, search->locator().defective_elements())
-                      : InvertedVertices(mesh, positions_t0);
+  inverted = splits() ? InvertedVertices(mesh, of_mesh(positions_t0), search->locator().defective_elements())
+                      : InvertedVertices(mesh, of_mesh(positions_t0));
 }
 
 void ContactFinder::State::split_features() {
@@ -160,6 +167,8 @@ std::vector<PenetratingPoint> ContactFinder::State::find_boundary_points(std::sp
     } else {
       points.push_back(penetrating_vertex(search->vertex_of(p.feature), p.element, positions));
     }
+    PenetratingPoint& point = points.back();
+    if (is_of_obstacle(point.vertices[0])) point.query = PathQuery<3>::at(point.query.point, p.element);
   }
   return points;
 }
@@ -183,7 +192,7 @@ std::vector<BoundaryPath<3>> ContactFinder::State::find_ways_out(std::span<const
                                                                  std::span<const Vec3> positions) {
   std::vector<PathQuery<3>> queries;
   for (const PenetratingPoint& point : points) queries.push_back(point.query);
-  if (rest_pose) return rest_pose->find(queries, positions);
+  if (rest_pose) return rest_pose->find(queries, of_mesh(positions));
   std::vector<PathCounters> counters(queries.size());
   std::vector<BoundaryPath<3>> found = search->paths().find_paths(queries, {}, counters);
   for (const PathCounters& counter : counters) statistics.paths += counter;
@@ -259,11 +268,13 @@ StepImpacts ContactFinder::State::find_impacts(std::span<const Vec3> positions) 
   if (impacts) {
     impacts->update(positions_t0, positions);
   } else {
-    impacts.emplace(surface, positions_t0, positions);
+    impacts.emplace(surface, positions_t0, positions, options_with_obstacles(mesh, surface));
   }
   StepImpacts found;
   ContinuousPairs& pairs = found.pairs;
   pairs = impacts->find_pairs(&statistics.continuous);
+  const auto bodies = static_cast<Index>(mesh.boundary_faces().size());
+  std::erase_if(pairs.vertex_face, [&](const VertexFacePair& p) { return p.face >= bodies; });
   if (splits()) {
     const auto inside_of = [](std::span<const Index> all, Index i) {
       return std::binary_search(all.begin(), all.end(), i);
@@ -289,9 +300,11 @@ void ContactFinder::State::mark_tangled() {
   };
   mark(inside_vertices);
   for (const Index e : inside_edges) mark(surface.edges()[e]);
+  // The triangles of an obstacle may be large: a crossing says nothing of all that their corners belong to.
+  const auto bodies = static_cast<Index>(mesh.boundary_faces().size());
   for (const TrianglePair& pair : search->crossings()) {
     mark(surface.triangles()[pair.first]);
-    mark(surface.triangles()[pair.second]);
+    if (pair.second < bodies) mark(surface.triangles()[pair.second]);
   }
 }
 
@@ -336,7 +349,7 @@ void ContactFinder::State::append_contacts(const StepImpacts& found, std::span<c
 
 void ContactFinder::State::find_contacts(std::span<const Vec3> positions, std::vector<Contact>& contacts) {
   if (!has_begun) throw Error("step", "has not begun", "call begin_step() first");
-  check_positions<3>(positions, mesh.vertex_count());
+  check_positions<3>(positions, vertex_count());
   contacts.clear();
   if (uses_dcd()) append_paths(positions, contacts);
   if (uses_ccd()) timed(statistics.seconds_ccd, [&] { append_contacts(find_impacts(positions), positions, contacts); });
@@ -344,8 +357,9 @@ void ContactFinder::State::find_contacts(std::span<const Vec3> positions, std::v
 }
 
 ContactFinder::ContactFinder(const TetMesh& mesh, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
-                             std::span<const Index> vertex_objects, ContactOptions options)
-    : state_(std::make_unique<State>(mesh, rest_positions, positions, vertex_objects, options)) {}
+                             std::span<const Index> vertex_objects, ContactOptions options,
+                             std::span<const VertexTuple<3>> obstacles)
+    : state_(std::make_unique<State>(mesh, rest_positions, positions, vertex_objects, options, obstacles)) {}
 ContactFinder::~ContactFinder() = default;
 ContactFinder::ContactFinder(ContactFinder&&) noexcept = default;
 ContactFinder& ContactFinder::operator=(ContactFinder&&) noexcept = default;
@@ -360,7 +374,7 @@ void ContactFinder::find_contacts(std::span<const Vec3> positions_t1, std::vecto
 
 StepImpacts ContactFinder::find_impacts(std::span<const Vec3> positions_t1) {
   if (!state_->has_begun) throw Error("step", "has not begun", "call begin_step() first");
-  check_positions<3>(positions_t1, state_->mesh.vertex_count());
+  check_positions<3>(positions_t1, state_->vertex_count());
   StepImpacts found;
   if (state_->uses_ccd())
     timed(state_->statistics.seconds_ccd, [&] { found = state_->find_untangled_impacts(positions_t1); });

@@ -2,6 +2,7 @@
 
 #include "boundary_path/injectivity/star_proof.h"
 #include "contact/edge_part.h"
+#include "contact/obstacles.h"
 #include "contact/path_contact.h"
 #include "core/parallel.h"
 #include "mesh/simplex_corners.h"
@@ -45,14 +46,15 @@ PenetrationSearch::PenetrationSearch(const TetMesh& mesh, const TriangleMesh& su
       surface_(surface),
       with_edges_(with_edges),
       joins_parts_(joins_parts),
-      vertex_count_(static_cast<Index>(mesh.boundary_vertices().size())),
-      boundary_place_(mesh.vertex_count(), kNone),
+      boundary_count_(static_cast<Index>(mesh.boundary_vertices().size())),
+      vertex_count_(boundary_count_ + surface.vertex_count() - mesh.vertex_count()),
+      vertex_feature_(surface.vertex_count(), kNone),
       positions_(positions.begin(), positions.end()),
-      locator_(mesh, positions),
+      locator_(mesh, mesh_positions()),
       paths_(locator_, options),
-      collisions_(surface, positions),
+      collisions_(surface, positions, options_with_obstacles(mesh, surface)),
       is_suspect_(surface.triangle_count(), 0) {
-  for (Index i = 0; i < vertex_count_; ++i) boundary_place_[vertex_of(i)] = i;
+  for (Index i = 0; i < vertex_count_; ++i) vertex_feature_[vertex_of(i)] = i;
   list_surface_pieces();
 }
 
@@ -72,7 +74,7 @@ void PenetrationSearch::list_surface_pieces() {
 
 void PenetrationSearch::place(std::span<const Vec3> positions) {
   positions_.assign(positions.begin(), positions.end());
-  locator_.update(positions);
+  locator_.update(mesh_positions());
   collisions_placed_ = false;
 }
 
@@ -127,7 +129,7 @@ std::vector<Penetration> PenetrationSearch::find_all(PenetrationCounters& counte
   suspect_crossings(counters);
   suspect_defects();
 
-  Flags is_asked(mesh_.vertex_count(), 0), is_edge_asked(with_edges_ ? surface_.edge_count() : 0, 0);
+  Flags is_asked(surface_.vertex_count(), 0), is_edge_asked(with_edges_ ? surface_.edge_count() : 0, 0);
   std::vector<Index> edges;
   std::vector<Penetration> found;
   // Faces around a vertex that is inside are suspects of the next round.
@@ -171,7 +173,7 @@ std::vector<Penetration> PenetrationSearch::find(std::span<const Index> features
 
 void PenetrationSearch::append_vertices(std::span<const PointInside> inside, std::vector<Penetration>& found) const {
   for (const auto& [vertex, element] : inside)
-    if (!holds_nothing(element)) found.push_back({boundary_place_[vertex], element});
+    if (!holds_nothing(element)) found.push_back({vertex_feature_[vertex], element});
 }
 
 bool PenetrationSearch::holds_nothing(Index element) const {
@@ -180,11 +182,24 @@ bool PenetrationSearch::holds_nothing(Index element) const {
          orientation(corners_of(mesh_.elements()[element], positions_)) < 0;
 }
 
-/// Vertices with each element that holds them and is not their own; ascending.
+/// Vertices with each element that holds them and is not their own.
 std::vector<PointInside> PenetrationSearch::find_vertices(std::span<const Index> vertices) const {
+  std::vector<Index> of_mesh, of_obstacles;
+  for (const Index v : vertices) (v < mesh_.vertex_count() ? of_mesh : of_obstacles).push_back(v);
   std::vector<PointInside> inside;
-  for (const auto& query : locator_.locate_vertices(vertices)) inside.push_back({query.source[0], query.element});
+  for (const auto& query : locator_.locate_vertices(of_mesh)) inside.push_back({query.source[0], query.element});
+  if (!of_obstacles.empty()) append_obstacle_vertices(of_obstacles, inside);
   return inside;
+}
+
+void PenetrationSearch::append_obstacle_vertices(std::span<const Index> vertices,
+                                                 std::vector<PointInside>& inside) const {
+  std::vector<Vec3> places;
+  for (const Index v : vertices) places.push_back(positions_[v]);
+  const auto located = locator_.locate(places);
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    for (std::int64_t k = located.first[i]; k < located.first[i + 1]; ++k)
+      inside.push_back({vertices[i], located.queries[k].element});
 }
 
 /// In order.
@@ -238,7 +253,7 @@ PenetrationSearch::Interior PenetrationSearch::find_interior() const {
   for (const Index e : elements) is_listed[e] = 1;
   const auto ask = [&](Index element) {
     for (const Index v : mesh_.elements()[element])
-      if (boundary_place_[v] == kNone) add_once(is_asked, v, vertices);
+      if (vertex_feature_[v] == kNone) add_once(is_asked, v, vertices);
   };
   for (const Index e : elements) ask(e);
   while (!vertices.empty()) {

@@ -19,9 +19,10 @@ struct PointInside {
   Index element;
 };
 
-/// Boundary vertices and edges of a mesh with a part inside an element that shares no vertex with them.
+/// Boundary vertices and edges of a mesh, and vertices and edges of obstacles, with a part inside an element that
+/// shares no vertex with them.
 ///
-/// Boundary features are numbered: first boundary vertices in their order, then edges of the surface.
+/// Features are numbered: first boundary vertices in their order, then those of obstacles, then edges of the surface.
 ///
 /// The search looks only near crossings of the boundary with itself. Take an edge with a part inside an element, and
 /// follow from there the material that lies in the same place: either it ends at the boundary, which the edge then
@@ -30,6 +31,8 @@ struct PointInside {
 /// vertices whose elements may overlap each other; these are added. See docs/how_it_works/contact.md.
 class PenetrationSearch {
  public:
+  /// @param surface     the boundary, then triangles of obstacles: their vertices follow those of the mesh
+  /// @param positions   (surface.vertex_count())
   /// @param with_edges  whether edges are features, too
   /// @param joins_parts  whether an edge's parts in connected elements count as one; see middle_of_parts()
   PenetrationSearch(const TetMesh& mesh, const TriangleMesh& surface, bool with_edges, std::span<const Vec3> positions,
@@ -38,7 +41,10 @@ class PenetrationSearch {
   Index feature_count() const { return vertex_count_ + (with_edges_ ? surface_.edge_count() : 0); }
   bool is_edge(Index feature) const { return feature >= vertex_count_; }
   /// Number of a feature among boundary vertices' or among edges' own.
-  Index vertex_of(Index feature) const { return mesh_.boundary_vertices()[feature]; }
+  Index vertex_of(Index feature) const {
+    return feature < boundary_count_ ? mesh_.boundary_vertices()[feature]
+                                     : mesh_.vertex_count() + feature - boundary_count_;
+  }
   Index edge_of(Index feature) const { return feature - vertex_count_; }
 
   /// Takes a new pose. O(n), parallel.
@@ -78,6 +84,8 @@ class PenetrationSearch {
   std::vector<Index> suspected_elements() const;
   bool holds_nothing(Index element) const;
   std::vector<PointInside> find_vertices(std::span<const Index> vertices) const;
+  void append_obstacle_vertices(std::span<const Index> vertices, std::vector<PointInside>& inside) const;
+  std::span<const Vec3> mesh_positions() const { return std::span(positions_).first(mesh_.vertex_count()); }
   std::vector<PointInside> find_centroids(std::span<const Index> elements) const;
   std::vector<Penetration> find_edges(std::span<const Index> edges, PenetrationCounters& counters) const;
   void append_vertices(std::span<const PointInside> inside, std::vector<Penetration>& found) const;
@@ -85,8 +93,9 @@ class PenetrationSearch {
   const TetMesh& mesh_;
   const TriangleMesh& surface_;
   bool with_edges_, joins_parts_;
-  Index vertex_count_ = 0;             ///< on the boundary
-  std::vector<Index> boundary_place_;  ///< per vertex, among those on the boundary
+  Index boundary_count_ = 0;           ///< vertices on the boundary
+  Index vertex_count_ = 0;             ///< those, and the obstacles'
+  std::vector<Index> vertex_feature_;  ///< per vertex: its number as a feature
   std::vector<Index> pieces_;          ///< a face of each connected piece of the surface
   std::vector<Vec3> positions_;
   PointLocator<3> locator_;

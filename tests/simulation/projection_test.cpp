@@ -14,7 +14,7 @@ struct Scratch {
   std::vector<Vec3> start;
   std::vector<double> max_corrections = std::vector<double>(4, 1);
   Contact contact;
-  FrictionState friction_state;
+  FrictionState friction_state{};
 
   Scratch(const std::array<double, 4>& masses, const Vec3& barycentric, double depth) {
     const std::array<Vec3, 3> corners{Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}};
@@ -39,8 +39,9 @@ struct Scratch {
   void project(Friction friction = {0, 0}) {
     const std::vector<Vec3> velocities(start.size(), Vec3::Zero());
     std::vector<Vec3> ejected = velocities;
-    project_contacts({&contact, 1}, {0, 0, 1, start, velocities}, max_corrections, friction, {&friction_state, 1},
-                     ejected, rows);
+    ContactFriction of_contact{friction, friction_state};
+    project_contacts({&contact, 1}, {0, 0, 1, start, velocities}, max_corrections, {&of_contact, 1}, ejected, rows);
+    friction_state = of_contact.state;
   }
 };
 

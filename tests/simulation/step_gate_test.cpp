@@ -43,7 +43,7 @@ struct Attempt {
   std::optional<GateStatistics> pass() {
     ContactFinder finder(model.mesh, model.rest_positions, start);
     finder.begin_step(start);
-    StepGate gate(model);
+    StepGate gate(model, model.mesh.vertex_count());
     const std::vector<Vec3> still(start.size(), Vec3::Zero());
     const Step step{1, 0, 1.0 / 300, start, still};
     if (!gate.is_violated(finder, step, end, false)) return {};

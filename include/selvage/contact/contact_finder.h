@@ -48,7 +48,13 @@ struct StepImpacts {
   std::vector<double> face_times, edge_times;  ///< of the pairs: see ContinuousCollisionFinder::find_impact_times()
 };
 
-/// Contacts of a tetrahedral mesh with itself during a step: of its objects with one another and each with itself.
+/// Contacts of a tetrahedral mesh with itself during a step: of its objects with one another and each with itself; and
+/// those of its faces, edges and elements with the vertices and edges of obstacles.
+///
+/// Obstacles are surfaces that move as their positions say, whatever meets them; they do not meet one another. Their
+/// vertices follow those of the mesh in all positions. What is found: their vertices and edges inside elements, their
+/// vertices that run into faces, and their edges that run into edges. A vertex of the mesh that runs into a face of an
+/// obstacle is not: keep it out by the shape that the surface stands for.
 ///
 /// A step is begin_step() with the positions that it starts from, then find_contacts() with those that the solver of
 /// the material proposes. Any sequence of positions is legal, tangled and inverted meshes too.
@@ -62,14 +68,18 @@ class ContactFinder {
  public:
   /// @param mesh            topology, all objects in one; must outlive the finder
   /// @param rest_positions  (n_vertices x 3) for ClosestPointRule::kRestPose; may be empty with the other rules [m]
-  /// @param positions       (n_vertices x 3) where the first step starts [m]
+  /// @param positions       (n_vertices + n_obstacle_vertices) where the first step starts [m]; so for each step
   /// @param vertex_objects  (n_vertices) number of the object that each vertex belongs to, for
   ///                        ClosestPointRule::kEuclidean; empty: connected components
-  /// @throws Error          when sizes differ, a position is not finite, or the rule lacks what it needs
+  /// @param obstacles       triangles of obstacles, outward, on vertices from n_vertices on
+  /// @throws Error          when sizes differ, a position is not finite, the rule lacks what it needs, or an obstacle
+  ///                        has a vertex of the mesh
   ContactFinder(const TetMesh& mesh, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
-                std::span<const Index> vertex_objects = {}, ContactOptions options = {});
+                std::span<const Index> vertex_objects = {}, ContactOptions options = {},
+                std::span<const VertexTuple<3>> obstacles = {});
   ContactFinder(const TetMesh&& mesh, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
-                std::span<const Index> vertex_objects = {}, ContactOptions options = {}) = delete;
+                std::span<const Index> vertex_objects = {}, ContactOptions options = {},
+                std::span<const VertexTuple<3>> obstacles = {}) = delete;
   ~ContactFinder();
   ContactFinder(ContactFinder&&) noexcept;
   ContactFinder& operator=(ContactFinder&&) noexcept;
@@ -97,10 +107,11 @@ class ContactFinder {
   /// Of the last step.
   const ContactStatistics& statistics() const;
 
-  /// The boundary's faces and edges, by whose numbers contacts name them.
+  /// The boundary's faces, then the obstacles', and edges of both, by whose numbers contacts name them.
   const TriangleMesh& surface() const;
 
-  /// Boundary vertices and edges that are inside an element at the start of the step, ascending; for kHybrid.
+  /// Vertices and edges of the boundary and of obstacles that are inside an element at the start of the step,
+  /// ascending; for kHybrid.
   std::span<const Index> penetrating_vertices() const;
   std::span<const Index> penetrating_edges() const;
 

@@ -76,7 +76,8 @@ class XpbdSolver {
 
   /// Of the last step, as found in the middle of it and projected until its end, in the order of
   /// ContactFinder::find_contacts(). Boundary faces are numbered as in TetMesh::boundary_faces() of the model's mesh,
-  /// edges as in the TriangleMesh of these faces. Valid until the next step.
+  /// edges as in the TriangleMesh of these faces. Vertices, faces and edges with higher numbers are of colliders: of
+  /// their edges, corners and narrow round sides. Valid until the next step.
   std::span<const Contact> contacts() const;
 
   /// Of the last step.

@@ -30,6 +30,8 @@ class MeshCollider {
     return {positions_[a], positions_[b], positions_[c]};
   }
   const Eigen::AlignedBox3d& bounds() const { return bounds_; }
+  const TriangleMesh& mesh() const { return mesh_; }
+  std::span<const Vec3> positions() const { return positions_; }
 
  private:
   std::vector<Vec3> positions_;

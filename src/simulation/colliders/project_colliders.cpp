@@ -13,10 +13,6 @@ constexpr std::int64_t kVertexGrain = 1024;
 /// Vertices that are skipped together where a collider is far from all of them.
 constexpr std::int64_t kVertexRun = 128;
 
-Eigen::Map<Eigen::Vector3d> position(StepVertex& vertex) {
-  return Eigen::Map<Eigen::Vector3d>(vertex.position);
-}
-
 Eigen::AlignedBox3d box_around(std::span<const StepVertex> vertices) {
   Eigen::AlignedBox3d box;
   for (const StepVertex& vertex : vertices) box.extend(Eigen::Map<const Eigen::Vector3d>(vertex.position));
@@ -27,10 +23,18 @@ Eigen::AlignedBox3d box_around(std::span<const StepVertex> vertices) {
 struct MovingCollider {
   const PreparedCollider& collider;
   RigidTransform start, end;
-  bool is_fixed = collider.motion.keyframes.empty();
+  bool is_fixed;
+
+  MovingCollider(const PreparedCollider& c, const Step& step)
+      : collider(c),
+        start(c.motion.at(step.start_time)),
+        end(c.motion.at(step.end_time)),
+        is_fixed(c.motion.keyframes.empty()) {}
 
   /// In the collider's own coordinates, at the end of the step.
-  Vec3 to_local(StepVertex& vertex) const { return is_fixed ? Vec3(position(vertex)) : end.invert(position(vertex)); }
+  Vec3 to_local(const StepVertex& vertex) const {
+    return is_fixed ? Vec3(position(vertex)) : end.invert(position(vertex));
+  }
 
   /// @param surface  what starts the step no deeper inside lies on the surface [m]; infinite: all does
   template <typename Shape>
@@ -67,6 +71,20 @@ struct MovingCollider {
         std::visit([&](const auto& shape) { return find_hit_on_way(shape, was, p); }, collider.shape);
     if (hit) position(vertex) = end(p + hit->depth * hit->normal);
   }
+
+  /// Whether a vertex is inside at the end of the step, or has passed, by more than a depth and more than it was.
+  bool is_entered(const Step& step, Index v, double least_depth, const StepVertex& vertex) const {
+    const Vec3 p = to_local(vertex);
+    const Vec3 was = start.invert(step.positions[v]);
+    return std::visit(
+        [&](const auto& shape) {
+          const std::optional<Hit> hit = find_hit_on_way(shape, was, p);
+          if (!hit || !(hit->depth > least_depth)) return false;
+          const std::optional<Hit> before = find_hit(shape, was);
+          return !before || hit->depth > before->depth + least_depth;
+        },
+        collider.shape);
+  }
 };
 
 /// One projection of all vertices out of all colliders.
@@ -76,9 +94,7 @@ class Projection {
              std::span<const Vec3> ejected, std::span<ColliderContactState> states, std::span<StepVertex> vertices)
       : step_(step), max_corrections_(max_corrections), ejected_(ejected), states_(states), vertices_(vertices) {
     for (const PreparedCollider& collider : colliders) {
-      colliders_.push_back({.collider = collider,
-                            .start = collider.motion.at(step.start_time),
-                            .end = collider.motion.at(step.end_time)});
+      colliders_.emplace_back(collider, step);
       any_far_side_ |= std::visit([](const auto& s) { return kHasFarSide<std::decay_t<decltype(s)>>; }, collider.shape);
     }
   }
@@ -157,6 +173,25 @@ ColliderContacts project_colliders(std::span<const PreparedCollider> colliders, 
                                    std::span<ColliderContactState> states, std::span<StepVertex> vertices) {
   if (colliders.empty()) return {};
   return Projection(colliders, step, max_corrections, ejected, states, vertices).project();
+}
+
+std::vector<ColliderEntry> find_entries(std::span<const PreparedCollider> colliders, const Step& step,
+                                        std::span<const double> max_corrections, std::span<const Index> vertices,
+                                        std::span<const StepVertex> positions) {
+  std::vector<MovingCollider> moving;
+  for (const PreparedCollider& collider : colliders) moving.emplace_back(collider, step);
+  std::vector<Index> entered(vertices.size(), kNone);
+  parallel_for(std::ssize(vertices), kVertexGrain, [&](std::int64_t i) {
+    const Index v = vertices[i];
+    if (!(positions[v].inverse_mass > 0)) return;
+    for (std::size_t c = 0; c < moving.size() && entered[i] == kNone; ++c)
+      if (moving[c].is_entered(step, v, kContactGap * max_corrections[v], positions[v]))
+        entered[i] = static_cast<Index>(c);
+  });
+  std::vector<ColliderEntry> entries;
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    if (entered[i] != kNone) entries.push_back({vertices[i], entered[i]});
+  return entries;
 }
 
 }  // namespace selvage

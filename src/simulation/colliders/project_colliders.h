@@ -44,4 +44,15 @@ ColliderContacts project_colliders(std::span<const PreparedCollider> colliders, 
                                    std::span<const double> max_corrections, std::span<const Vec3> ejected,
                                    std::span<ColliderContactState> states, std::span<StepVertex> vertices);
 
+/// A vertex that enters or passes a collider in the step.
+struct ColliderEntry {
+  Index vertex, collider;
+};
+
+/// Entries of those of some vertices that started the step outside of the collider, or deeper now than then by more
+/// than kContactGap of their largest correction. Parallel; in order.
+std::vector<ColliderEntry> find_entries(std::span<const PreparedCollider> colliders, const Step& step,
+                                        std::span<const double> max_corrections, std::span<const Index> vertices,
+                                        std::span<const StepVertex> positions);
+
 }  // namespace selvage

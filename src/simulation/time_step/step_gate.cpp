@@ -22,10 +22,6 @@ constexpr int kImpactRounds = 2, kScaledRounds = 4, kBaseRounds = 7, kMaxRounds 
 constexpr double kRounding = 0x1p-40;
 constexpr double kImpactShare = 0.9, kLaterShare = 0.25;
 
-Vec3 position(const StepVertex& vertex) {
-  return Eigen::Map<const Eigen::Vector3d>(vertex.position);
-}
-
 /// x goes to x + linear * (x - centre) + shift.
 struct BaseMotion {
   Eigen::Matrix3d linear = Eigen::Matrix3d::Zero();
@@ -50,6 +46,10 @@ Eigen::Matrix3d cross_matrix(const Vec3& w) {
 struct StepGate::Zone {
   Index carrier = kNone;  ///< the least
   std::vector<Index> vertices;
+
+  void follow(Index other) {
+    if (other != kNone && (carrier == kNone || other < carrier)) carrier = other;
+  }
 
   /// The rigid displacement with the zone's momentum and angular momentum.
   BaseMotion free_motion(const Model& model, const Step& step, std::span<const Vec3> targets) const {
@@ -79,12 +79,12 @@ struct StepGate::Zone {
   }
 };
 
-StepGate::StepGate(const Model& model) : model_(model) {
+StepGate::StepGate(const Model& model, Index contact_vertex_count) : model_(model) {
   rest_volumes_.reserve(model.mesh.element_count());
   for (const auto& element : model.mesh.elements())
     rest_volumes_.push_back(element_volume(element, model.rest_positions));
   const auto count = static_cast<std::size_t>(model.mesh.vertex_count());
-  candidate_.resize(count);
+  candidate_.resize(contact_vertex_count);
   parents_.assign(count, kNone);
   shares_.assign(count, 1);
   times_.assign(count, 1);
@@ -104,6 +104,10 @@ bool StepGate::is_violated(ContactFinder& finder, const Step& step, std::span<co
 void StepGate::find_impacts(ContactFinder& finder, std::span<const StepVertex> vertices) {
   parallel_for(std::ssize(vertices), kGrain, [&](std::int64_t v) { candidate_[v] = position(vertices[v]); });
   impacts_ = finder.find_impacts(candidate_);
+}
+
+void StepGate::find_entries(const Step& step, const Carriers& carriers, std::span<const StepVertex> vertices) {
+  entries_ = selvage::find_entries(carriers.colliders, step, carriers.max_corrections, members_, vertices);
 }
 
 void StepGate::find_collapsing_elements(const Step& step, std::span<const StepVertex> vertices) {
@@ -137,8 +141,16 @@ Index StepGate::root_of(Index vertex) {
   return vertex;
 }
 
-/// Puts vertices into one zone, in which something happens at a time.
-void StepGate::join(std::span<const Index> vertices, double time) {
+/// Puts vertices into one zone, in which something happens at a time. Those of colliders are not in it: two zones that
+/// touch one collider stay two.
+void StepGate::join(std::span<const Index> all, double time, const Carriers& carriers) {
+  std::array<Index, 4> of_model{};
+  int count = 0;
+  for (const Index v : all)
+    if (is_of_model(v)) of_model[count++] = v;
+  const auto vertices = std::span(of_model).first(count);
+  for (const Index v : all)
+    if (!is_of_model(v)) touched_.push_back({vertices.front(), carriers.of_vertex[v]});
   for (const Index v : vertices) {
     if (parents_[v] != kNone) continue;
     parents_[v] = v;
@@ -156,18 +168,22 @@ void StepGate::join(std::span<const Index> vertices, double time) {
   times_[root] = std::min(times_[root], time);
 }
 
-void StepGate::join_violations(const TriangleMesh& surface) {
+void StepGate::join_violations(const TriangleMesh& surface, const Carriers& carriers) {
   for (std::size_t i = 0; i < impacts_.pairs.vertex_face.size(); ++i) {
     const auto& [vertex, face] = impacts_.pairs.vertex_face[i];
     const auto& t = surface.triangles()[face];
-    join(std::array{vertex, t[0], t[1], t[2]}, kImpactShare * impacts_.face_times[i]);
+    join(std::array{vertex, t[0], t[1], t[2]}, kImpactShare * impacts_.face_times[i], carriers);
   }
   for (std::size_t i = 0; i < impacts_.pairs.edge_edge.size(); ++i) {
     const auto& a = surface.edges()[impacts_.pairs.edge_edge[i].first];
     const auto& b = surface.edges()[impacts_.pairs.edge_edge[i].second];
-    join(std::array{a[0], a[1], b[0], b[1]}, kImpactShare * impacts_.edge_times[i]);
+    join(std::array{a[0], a[1], b[0], b[1]}, kImpactShare * impacts_.edge_times[i], carriers);
   }
-  for (const Index e : collapsing_) join(model_.mesh.elements()[e], kCollapseShare);
+  for (const Index e : collapsing_) join(model_.mesh.elements()[e], kCollapseShare, carriers);
+  for (const auto& [vertex, collider] : entries_) {
+    join(std::array{vertex}, kCollapseShare, carriers);
+    touched_.push_back({vertex, carriers.of_collider(collider)});
+  }
 }
 
 void StepGate::scale_zones(int round) {
@@ -184,9 +200,9 @@ void StepGate::move_zones(const Step& step, const Carriers& carriers, std::span<
   for (const Index v : members_) {
     Zone& zone = zones[root_of(v)];
     zone.vertices.push_back(v);
-    const Index carrier = carriers.of_vertex[v];
-    if (carrier != kNone && (zone.carrier == kNone || carrier < zone.carrier)) zone.carrier = carrier;
+    zone.follow(carriers.of_vertex[v]);
   }
+  for (const auto& [v, carrier] : touched_) zones[root_of(v)].follow(carrier);
   for (const auto& [root, zone] : zones) {
     const bool stands = shares_[root] < 0;
     const double share = std::max(shares_[root], 0.0);
@@ -211,18 +227,21 @@ GateStatistics StepGate::hold_back(ContactFinder& finder, const Step& step, cons
   targets_.resize(vertices.size());
   parallel_for(std::ssize(vertices), kGrain, [&](std::int64_t v) { targets_[v] = position(vertices[v]); });
   for (; has_violations() && statistics.rounds < kMaxRounds; ++statistics.rounds) {
-    join_violations(finder.surface());
+    join_violations(finder.surface(), carriers);
     scale_zones(static_cast<int>(statistics.rounds));
     move_zones(step, carriers, vertices);
     find_collapsing_elements(step, vertices);
     find_impacts(finder, vertices);
+    find_entries(step, carriers, vertices);
   }
+  entries_.clear();
   statistics.impacts_left = std::ssize(impacts_.pairs.vertex_face) + std::ssize(impacts_.pairs.edge_edge);
   for (const Index v : members_) {
     statistics.held_back_vertices += position(vertices[v]) != targets_[v];
     parents_[v] = kNone;
   }
   members_.clear();
+  touched_.clear();
   return statistics;
 }
 

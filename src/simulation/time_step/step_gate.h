@@ -3,6 +3,7 @@
 #include "selvage/contact/contact_finder.h"
 #include "selvage/simulation/model.h"
 #include "selvage/simulation/motion.h"
+#include "simulation/colliders/project_colliders.h"
 #include "simulation/step.h"
 #include "simulation/step_vertex.h"
 
@@ -11,8 +12,12 @@ namespace selvage {
 /// What moves vertices whatever bodies do: for each vertex the motion of the handle that holds it or of the collider
 /// that it touches in this step.
 struct Carriers {
-  std::vector<RigidTransform> motions;  ///< from the start of the step to its end
-  std::vector<Index> of_vertex;         ///< (n_vertices) kNone: free
+  std::vector<RigidTransform> motions;  ///< from the start of the step to its end; those of colliders last
+  std::vector<Index> of_vertex;         ///< (n_contact_vertices) kNone: free
+  std::span<const PreparedCollider> colliders;
+  std::span<const double> max_corrections;  ///< (n_contact_vertices) [m]
+
+  Index of_collider(Index collider) const { return static_cast<Index>(motions.size() - colliders.size()) + collider; }
 };
 
 /// Counts of one step.
@@ -23,7 +28,8 @@ struct GateStatistics {
 };
 
 /// Holds vertices back at the end of a step, so that nothing that was free at its start meets on the straight way to
-/// its end, and no element is inverted that was not. Where a step ends so by itself, nothing is changed.
+/// its end, no element is inverted that was not, and no vertex that is moved for that enters a collider. Where a step
+/// ends so by itself, nothing is changed.
 ///
 /// Primitives that meet, and elements about to be inverted, form zones: those with a common vertex are in one. A zone
 /// has a base motion: that of the handle that holds one of its vertices, or of the collider that one touches; else the
@@ -38,8 +44,9 @@ struct GateStatistics {
 /// collisions (zones that slide).
 class StepGate {
  public:
-  /// @param model  must outlive this
-  explicit StepGate(const Model& model);
+  /// @param model                 must outlive this
+  /// @param contact_vertex_count  vertices of the model and, after them, of colliders: see TimeStep::contact_vertices()
+  StepGate(const Model& model, Index contact_vertex_count);
 
   /// Whether an element is about to be inverted, or something meets.
   /// @param impacts_known  nothing meets: that has been asked since the vertices were last moved
@@ -54,9 +61,11 @@ class StepGate {
 
   void find_collapsing_elements(const Step& step, std::span<const StepVertex> vertices);
   void find_impacts(ContactFinder& finder, std::span<const StepVertex> vertices);
-  bool has_violations() const { return !impacts_.pairs.empty() || !collapsing_.empty(); }
-  void join_violations(const TriangleMesh& surface);
-  void join(std::span<const Index> vertices, double time);
+  void find_entries(const Step& step, const Carriers& carriers, std::span<const StepVertex> vertices);
+  bool has_violations() const { return !impacts_.pairs.empty() || !collapsing_.empty() || !entries_.empty(); }
+  void join_violations(const TriangleMesh& surface, const Carriers& carriers);
+  void join(std::span<const Index> vertices, double time, const Carriers& carriers);
+  bool is_of_model(Index vertex) const { return vertex < model_.mesh.vertex_count(); }
   Index root_of(Index vertex);
   void scale_zones(int round);
   void move_zones(const Step& step, const Carriers& carriers, std::span<StepVertex> vertices);
@@ -64,15 +73,17 @@ class StepGate {
   const Model& model_;
   std::vector<double> rest_volumes_;  ///< (n_elements) [m^3]
 
-  std::vector<Vec3> candidate_;  ///< (n_vertices) end of the step as it stands
+  std::vector<Vec3> candidate_;  ///< (n_contact_vertices) end of the step as it stands
   StepImpacts impacts_;
-  std::vector<Index> collapsing_;  ///< elements, ascending
+  std::vector<Index> collapsing_;       ///< elements, ascending
+  std::vector<ColliderEntry> entries_;  ///< of vertices that have been held back
 
   std::vector<Vec3> targets_;   ///< (n_vertices) end of the step as the solver left it
   std::vector<Index> parents_;  ///< (n_vertices) of the union-find over vertices in zones; kNone: in none
   std::vector<double> shares_;  ///< (n_vertices) of a root: the part of its zone's relative motion that is kept
   std::vector<double> times_;   ///< (n_vertices) of a root: the first impact in this round; 1: none
   std::vector<Index> members_;  ///< vertices in zones
+  std::vector<std::pair<Index, Index>> touched_;  ///< a vertex in a zone, and the carrier that the zone meets there
 };
 
 }  // namespace selvage

@@ -23,6 +23,13 @@ std::vector<Index> bodies_of_vertices(const Model& model) {
   return body_of;
 }
 
+/// Triangles with numbers of vertices that follow others.
+std::vector<VertexTuple<3>> triangles_after(Index vertex_count, std::vector<VertexTuple<3>> triangles) {
+  for (auto& triangle : triangles)
+    for (Index& v : triangle) v += vertex_count;
+  return triangles;
+}
+
 }  // namespace
 
 TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle> handles,
@@ -36,17 +43,26 @@ TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle>
     std::vector<Vec3>& positions = handle_positions_.emplace_back();
     for (const Index v : handle.vertices) positions.push_back(initial.positions[v]);
   }
-  vertices_.resize(vertex_count());
-  ejected_.resize(vertex_count(), Vec3::Zero());
   collider_states_.resize(vertex_count() * colliders_.size());
   max_corrections_ = max_corrections_of(model);
+  if (options.contact.mode != DetectionMode::kOff)
+    obstacles_ = make_obstacle_surface(colliders_, element_size_of(model));
+  const std::size_t all = vertex_count() + obstacles_.positions.size();
+  vertices_.resize(all);
+  ejected_.resize(all, Vec3::Zero());
+  max_corrections_.resize(all, std::numeric_limits<double>::infinity());
   if (options.contact.mode == DetectionMode::kOff) return;
   ContactOptions contact = options.contact;
   // CCD alone never finds again what it leaves out once.
   contact.wait_for_inverted = contact.mode != DetectionMode::kCcd;
-  contact_finder_.emplace(model.mesh, model.rest_positions, initial.positions, bodies_of_vertices(model), contact);
-  candidate_.resize(vertex_count());
-  if (contact.hold_back && contact.mode == DetectionMode::kHybrid && !contact.interior_points) gate_.emplace(model);
+  std::vector<Vec3> positions = initial.positions;
+  for (std::size_t i = 0; i < obstacles_.positions.size(); ++i)
+    positions.push_back(colliders_[obstacles_.collider_of_vertices[i]].motion.at(0)(obstacles_.positions[i]));
+  contact_finder_.emplace(model.mesh, model.rest_positions, positions, bodies_of_vertices(model), contact,
+                          triangles_after(model.mesh.vertex_count(), obstacles_.triangles));
+  candidate_.resize(all);
+  if (contact.hold_back && contact.mode == DetectionMode::kHybrid && !contact.interior_points)
+    gate_.emplace(model, static_cast<Index>(all));
 }
 
 void TimeStep::begin(const State& state, std::span<const Vec3> external_forces) {
@@ -63,9 +79,37 @@ void TimeStep::begin(const State& state, std::span<const Vec3> external_forces) 
   // Later a vertex starts inside only where two colliders press it from one into the other.
   may_start_inside_ = state.steps == 0 || std::any_of(handles_.begin(), handles_.end(),
                                                       [&](const Handle& handle) { return is_released(handle); });
-  if (contact_finder_) contact_finder_->begin_step(state.positions);
+  if (!obstacles_.positions.empty()) place_obstacles(state);
+  if (contact_finder_) contact_finder_->begin_step(step_.positions);
   predict(state, external_forces);
   place_handles();
+}
+
+/// Colliders' edges and corners, after the bodies' vertices.
+void TimeStep::place_obstacles(const State& state) {
+  start_positions_.assign(state.positions.begin(), state.positions.end());
+  start_velocities_.assign(state.velocities.begin(), state.velocities.end());
+  start_positions_.resize(vertices_.size());
+  start_velocities_.resize(vertices_.size());
+  std::vector<std::array<RigidTransform, 2>> ends;
+  for (const PreparedCollider& collider : colliders_)
+    ends.push_back({collider.motion.at(step_.start_time), collider.motion.at(step_.end_time)});
+  parallel_for(std::ssize(obstacles_.positions), kGrain, [&](std::int64_t i) {
+    const auto v = static_cast<Index>(vertex_count() + i);
+    const auto& [from, to] = ends[obstacles_.collider_of_vertices[i]];
+    start_positions_[v] = from(obstacles_.positions[i]);
+    const Vec3 end = to(obstacles_.positions[i]);
+    start_velocities_[v] = (end - start_positions_[v]) / step_.length();
+    place(v, end, 0);
+  });
+  step_.positions = start_positions_;
+  step_.velocities = start_velocities_;
+}
+
+const Friction& TimeStep::friction_of(const Contact& contact) const {
+  const Index last = std::max(contact.vertices[0], contact.vertices[contact.count - 1]);
+  if (last < vertex_count()) return options_.friction;
+  return colliders_[obstacles_.collider_of_vertices[last - vertex_count()]].friction;
 }
 
 /// Whether a handle holds its vertices in this step.
@@ -112,7 +156,8 @@ void TimeStep::find_contacts() {
   for (const Contact& contact : contacts_)
     for (int i = 0; i < contact.count; ++i) ejected_[contact.vertices[i]].setZero();
   if (!contact_finder_) return;
-  parallel_for(vertex_count(), kGrain, [&](std::int64_t v) { candidate_[v] = position(static_cast<Index>(v)); });
+  parallel_for(std::ssize(candidate_), kGrain,
+               [&](std::int64_t v) { candidate_[v] = position(static_cast<Index>(v)); });
   contact_finder_->find_contacts(candidate_, contacts_);
   statistics_.contact = contact_finder_->statistics();
 }
@@ -120,7 +165,8 @@ void TimeStep::find_contacts() {
 bool TimeStep::find_missed_contacts() {
   if (!gate_) return false;
   check_finite();
-  parallel_for(vertex_count(), kGrain, [&](std::int64_t v) { candidate_[v] = position(static_cast<Index>(v)); });
+  parallel_for(std::ssize(candidate_), kGrain,
+               [&](std::int64_t v) { candidate_[v] = position(static_cast<Index>(v)); });
   const StepImpacts impacts = contact_finder_->find_impacts(candidate_);
   no_impacts_ = impacts.pairs.empty();
   if (no_impacts_) return false;
@@ -131,7 +177,10 @@ bool TimeStep::find_missed_contacts() {
 
 /// Pinned vertices, those that handles hold, and those that colliders have pushed in this step.
 Carriers TimeStep::carriers() const {
-  Carriers carriers{{RigidTransform()}, std::vector<Index>(vertex_count(), kNone)};
+  Carriers carriers{.motions = {RigidTransform()},
+                    .of_vertex = std::vector<Index>(vertices_.size(), kNone),
+                    .colliders = colliders_,
+                    .max_corrections = max_corrections_};
   const auto add = [&](const Motion& motion) {
     const RigidTransform from = motion.at(step_.start_time), to = motion.at(step_.end_time);
     const Eigen::Matrix3d rotation = to.rotation * from.rotation.transpose();
@@ -150,6 +199,8 @@ Carriers TimeStep::carriers() const {
     for (Index v = 0; v < vertex_count(); ++v)
       if (collider_states_[v * colliders_.size() + c].step == step_.number && carriers.of_vertex[v] == kNone)
         carriers.of_vertex[v] = carrier;
+    for (std::size_t i = 0; i < obstacles_.positions.size(); ++i)
+      if (obstacles_.collider_of_vertices[i] == static_cast<Index>(c)) carriers.of_vertex[vertex_count() + i] = carrier;
   }
   return carriers;
 }
@@ -169,7 +220,8 @@ void TimeStep::hold_back() {
 void TimeStep::project_colliders() {
   no_impacts_ = false;
   const auto surface = may_start_inside_ ? std::span<const double>(max_corrections_) : std::span<const double>();
-  collider_contacts_.add(selvage::project_colliders(colliders_, step_, surface, ejected_, collider_states_, vertices_));
+  collider_contacts_.add(
+      selvage::project_colliders(colliders_, step_, surface, ejected_, collider_states_, vertices()));
   statistics_.collider_contacts = collider_contacts_.count;
 }
 

@@ -3,6 +3,7 @@
 #include "selvage/simulation/collider.h"
 #include "selvage/simulation/motion.h"
 #include "selvage/simulation/step.h"
+#include "simulation/colliders/obstacle_surface.h"
 #include "simulation/colliders/project_colliders.h"
 #include "simulation/step.h"
 #include "simulation/time_step/step_gate.h"
@@ -47,15 +48,20 @@ class TimeStep {
   void finish(State& state);
 
   /// (n_vertices) where vertices are in this step; those that handles hold have no inverse mass.
-  std::span<StepVertex> vertices() { return vertices_; }
+  std::span<StepVertex> vertices() { return std::span(vertices_).first(vertex_count()); }
+  /// (n_contact_vertices) the same, then those of colliders' edges and corners: contacts() name both. These are where
+  /// colliders are at the end of the step, and have no inverse mass.
+  std::span<StepVertex> contact_vertices() { return vertices_; }
   /// Of the last find_contacts().
   std::span<const Contact> contacts() const { return contacts_; }
-  /// Begun last.
+  /// Of two bodies, or of a body with a collider.
+  const Friction& friction_of(const Contact& contact) const;
+  /// Begun last. Its positions and velocities are those of contact_vertices().
   const Step& step() const { return step_; }
-  /// See max_corrections_of().
+  /// (n_contact_vertices) see max_corrections_of(); infinite for colliders.
   std::span<const double> max_corrections() const { return max_corrections_; }
-  /// (n_vertices) sum of the corrections by which contacts sent vertices out of bodies in this step [m]. The solver
-  /// adds to those of the vertices of contacts(); friction with colliders does not count them as sliding.
+  /// (n_contact_vertices) sum of the corrections by which contacts sent vertices out of bodies in this step [m]. The
+  /// solver adds to those of the vertices of contacts(); friction with colliders does not count them as sliding.
   std::span<Vec3> ejected() { return ejected_; }
   /// Of the step begun last; the solver adds its own.
   StepStatistics& statistics() { return statistics_; }
@@ -67,6 +73,7 @@ class TimeStep {
   void place(Index v, const Vec3& position, double inverse_mass);
   void predict(const State& state, std::span<const Vec3> external_forces);
   void place_handles();
+  void place_obstacles(const State& state);
   bool is_held(const Handle& handle) const;
   bool is_released(const Handle& handle) const;
   Vec3 depenetration_of(Index v) const;
@@ -79,6 +86,7 @@ class TimeStep {
   std::vector<Handle> handles_;
   std::vector<std::vector<Vec3>> handle_positions_;  ///< of the vertices of each at time 0
   std::vector<PreparedCollider> colliders_;
+  ObstacleSurface obstacles_;                    ///< of the colliders; none where the mode is kOff
   std::optional<ContactFinder> contact_finder_;  ///< none where the mode is kOff
   std::optional<StepGate> gate_;                 ///< none where nothing is held back
   bool no_impacts_ = false;                      ///< on the way to where vertices are now
@@ -86,9 +94,10 @@ class TimeStep {
 
   Step step_{};
   std::int64_t steps_begun_ = 0;
-  std::int64_t state_steps_ = 0;  ///< State::steps at the start of the step
-  std::vector<StepVertex> vertices_;
-  std::vector<Vec3> candidate_;  ///< (n_vertices) end of the step as find_contacts() takes it
+  std::int64_t state_steps_ = 0;                          ///< State::steps at the start of the step
+  std::vector<StepVertex> vertices_;                      ///< (n_contact_vertices)
+  std::vector<Vec3> start_positions_, start_velocities_;  ///< (n_contact_vertices) where there are obstacles
+  std::vector<Vec3> candidate_;  ///< (n_contact_vertices) end of the step as find_contacts() takes it
   std::vector<Contact> contacts_;
   std::vector<Vec3> ejected_;
   std::vector<ColliderContactState> collider_states_;  ///< (n_vertices x n_colliders)

@@ -15,10 +15,6 @@ namespace {
 /// squares.
 constexpr double kMaxMove = 1.37;
 
-Eigen::Map<Eigen::Vector3d> position(StepVertex& vertex) {
-  return Eigen::Map<Eigen::Vector3d>(vertex.position);
-}
-
 /// The vertices of both sides of a contact. Those of one side all count by the mean of their masses, weighed as in the
 /// contact. By their own, a light vertex among heavy ones would be thrown many times as far as the contact is deep, and
 /// its elements would be inverted. By the mean, no vertex moves much farther than the contact is deep, and momentum is
@@ -83,8 +79,7 @@ Vec3 offset_between(const Contact& contact, std::span<StepVertex> vertices) {
 }
 
 void project_contact(const Contact& contact, const Step& step, std::span<const double> max_corrections,
-                     const Friction& friction, FrictionState& friction_state, std::span<Vec3> ejected,
-                     std::span<StepVertex> vertices) {
+                     ContactFriction& friction, std::span<Vec3> ejected, std::span<StepVertex> vertices) {
   const Vec3 offset = offset_between(contact, vertices);
   double depth = -contact.normal.dot(offset);
   if (!(depth > 0)) return;
@@ -101,17 +96,17 @@ void project_contact(const Contact& contact, const Step& step, std::span<const d
   const Vec3 out = depth * contact.normal;
   const Vec3 displacement = offset + out - offset_between(contact, step.positions);
   const Vec3 drift = step.length() * offset_between(contact, step.velocities);
-  sides.move_apart(out + friction_correction(displacement, drift, contact.normal, depth, friction, friction_state));
+  sides.move_apart(
+      out + friction_correction(displacement, drift, contact.normal, depth, friction.coefficients, friction.state));
   if (is_path(contact.kind)) sides.visit_moves(out, [&](Index v, const Vec3& move) { ejected[v] += move; });
 }
 
 }  // namespace
 
 void project_contacts(std::span<const Contact> contacts, const Step& step, std::span<const double> max_corrections,
-                      const Friction& friction, std::span<FrictionState> friction_states, std::span<Vec3> ejected,
-                      std::span<StepVertex> vertices) {
+                      std::span<ContactFriction> frictions, std::span<Vec3> ejected, std::span<StepVertex> vertices) {
   for (std::size_t i = 0; i < contacts.size(); ++i)
-    project_contact(contacts[i], step, max_corrections, friction, friction_states[i], ejected, vertices);
+    project_contact(contacts[i], step, max_corrections, frictions[i], ejected, vertices);
 }
 
 void push_apart(std::span<const Contact> contacts, const Push& push, std::span<StepVertex> vertices) {

@@ -7,6 +7,12 @@
 
 namespace selvage {
 
+/// Friction of one contact during a step.
+struct ContactFriction {
+  Friction coefficients;
+  FrictionState state{};
+};
+
 /// Moves vertices out of every contact, one after the other in the order given, with friction.
 ///
 /// A contact by CCD keeps its point in front of the surface, by as much as it was at the start of the step and
@@ -18,11 +24,10 @@ namespace selvage {
 /// theirs in turn others.
 ///
 /// @param max_corrections  (n_vertices) see max_corrections_of() [m]
-/// @param friction_states  (n_contacts) of this step; updated
+/// @param frictions        (n_contacts) updated
 /// @param ejected          (n_vertices) see TimeStep::ejected() [m]; updated
 void project_contacts(std::span<const Contact> contacts, const Step& step, std::span<const double> max_corrections,
-                      const Friction& friction, std::span<FrictionState> friction_states, std::span<Vec3> ejected,
-                      std::span<StepVertex> vertices);
+                      std::span<ContactFriction> frictions, std::span<Vec3> ejected, std::span<StepVertex> vertices);
 
 /// How far points are pushed out of surfaces.
 struct Push {

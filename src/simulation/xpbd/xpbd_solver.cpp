@@ -20,8 +20,8 @@ struct XpbdSolver::Impl {
   XpbdOptions options;
   TimeStep time_step;
   MaterialSolver material;
-  std::vector<StepVertex> start;               ///< vertices at the start of the step, where the material needs them
-  std::vector<FrictionState> friction_states;  ///< (n_contacts)
+  std::vector<StepVertex> start;           ///< vertices at the start of the step, where the material needs them
+  std::vector<ContactFriction> frictions;  ///< (n_contacts)
   UserConstraint constraint;
 
   Impl(const Model& model, const State& initial, std::vector<Handle> handles, std::span<const Collider> colliders,
@@ -60,8 +60,10 @@ struct XpbdSolver::Impl {
 
   void project() {
     timed(statistics().seconds_projection, [&] {
-      project_contacts(time_step.contacts(), time_step.step(), time_step.max_corrections(), options.friction,
-                       friction_states, time_step.ejected(), time_step.vertices());
+      for (std::size_t i = frictions.size(); i < time_step.contacts().size(); ++i)
+        frictions.push_back({time_step.friction_of(time_step.contacts()[i])});
+      project_contacts(time_step.contacts(), time_step.step(), time_step.max_corrections(), frictions,
+                       time_step.ejected(), time_step.contact_vertices());
       time_step.project_colliders();
     });
   }
@@ -74,16 +76,13 @@ struct XpbdSolver::Impl {
     const int free_iterations = std::max(options.iterations / 2, 1);
     iterate(0, free_iterations);
     time_step.find_contacts();
-    friction_states.assign(time_step.contacts().size(), {});
+    frictions.clear();
     project();
     for (int iteration = free_iterations; iteration < options.iterations; ++iteration) {
       iterate(iteration, iteration + 1);
       project();
     }
-    for (int round = 0; round < kMissedRounds && time_step.find_missed_contacts(); ++round) {
-      friction_states.resize(time_step.contacts().size());
-      project();
-    }
+    for (int round = 0; round < kMissedRounds && time_step.find_missed_contacts(); ++round) project();
     time_step.finish(state);
   }
 };
