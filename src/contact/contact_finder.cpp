@@ -48,7 +48,7 @@ PenetrationCounters& PenetrationCounters::operator+=(const PenetrationCounters& 
   return *this;
 }
 
-struct ContactFinder::State {
+struct ContactFinder::Impl {
   const TetMesh& mesh;
   ContactOptions options;
   TriangleMesh surface;
@@ -68,7 +68,7 @@ struct ContactFinder::State {
   ContactStatistics statistics;
   bool has_begun = false;  ///< any step
 
-  State(const TetMesh& m, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
+  Impl(const TetMesh& m, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
         std::span<const Index> vertex_objects, ContactOptions o, std::span<const VertexTuple<3>> obstacles);
 
   /// With the obstacles'.
@@ -101,7 +101,7 @@ struct ContactFinder::State {
   void append_contacts(const StepImpacts& found, std::span<const Vec3> positions, std::vector<Contact>& contacts) const;
 };
 
-ContactFinder::State::State(const TetMesh& m, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
+ContactFinder::Impl::Impl(const TetMesh& m, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
                             std::span<const Index> vertex_objects, ContactOptions o,
                             std::span<const VertexTuple<3>> obstacles)
     : mesh(m), options(o), surface(surface_with_obstacles(m, obstacles, positions.size())) {
@@ -122,7 +122,7 @@ ContactFinder::State::State(const TetMesh& m, std::span<const Vec3> rest_positio
   if (splits() && options.wait_for_inverted) pieces = mesh.element_components();
 }
 
-void ContactFinder::State::begin_step(std::span<const Vec3> positions) {
+void ContactFinder::Impl::begin_step(std::span<const Vec3> positions) {
   check_positions<3>(positions, vertex_count());
   statistics = {};
   has_begun = true;
@@ -133,7 +133,7 @@ void ContactFinder::State::begin_step(std::span<const Vec3> positions) {
                       : InvertedVertices(mesh, of_mesh(positions_t0));
 }
 
-void ContactFinder::State::split_features() {
+void ContactFinder::Impl::split_features() {
   place(positions_t0);
   timed(statistics.seconds_split, [&] {
     for (const Index f : inside) is_inside[f] = 0;
@@ -156,7 +156,7 @@ void ContactFinder::State::split_features() {
   statistics.penetrating_edges = std::ssize(inside_edges);
 }
 
-std::vector<PenetratingPoint> ContactFinder::State::find_boundary_points(std::span<const Vec3> positions) {
+std::vector<PenetratingPoint> ContactFinder::Impl::find_boundary_points(std::span<const Vec3> positions) {
   const auto found =
       splits() ? search->find(inside, statistics.penetrations) : search->find_all(statistics.penetrations);
   std::vector<PenetratingPoint> points;
@@ -174,7 +174,7 @@ std::vector<PenetratingPoint> ContactFinder::State::find_boundary_points(std::sp
 }
 
 /// Inner vertices and centroids, each with all elements that hold it and share no vertex with it.
-void ContactFinder::State::append_interior_points(std::span<const Vec3> positions,
+void ContactFinder::Impl::append_interior_points(std::span<const Vec3> positions,
                                                   std::vector<PenetratingPoint>& points) const {
   const PenetrationSearch::Interior interior = search->find_interior();
   for (const auto& [vertex, element] : interior.vertices)
@@ -183,12 +183,12 @@ void ContactFinder::State::append_interior_points(std::span<const Vec3> position
     points.push_back(penetrating_centroid(of_element, mesh.elements()[of_element], element, positions));
 }
 
-void ContactFinder::State::place(std::span<const Vec3> positions) {
+void ContactFinder::Impl::place(std::span<const Vec3> positions) {
   timed(statistics.seconds_refit, [&] { search->place(positions); });
   ++statistics.pose_updates;
 }
 
-std::vector<BoundaryPath<3>> ContactFinder::State::find_ways_out(std::span<const PenetratingPoint> points,
+std::vector<BoundaryPath<3>> ContactFinder::Impl::find_ways_out(std::span<const PenetratingPoint> points,
                                                                  std::span<const Vec3> positions) {
   std::vector<PathQuery<3>> queries;
   for (const PenetratingPoint& point : points) queries.push_back(point.query);
@@ -203,7 +203,7 @@ std::vector<BoundaryPath<3>> ContactFinder::State::find_ways_out(std::span<const
   return found;
 }
 
-void ContactFinder::State::append_paths(std::span<const Vec3> positions, std::vector<Contact>& contacts) {
+void ContactFinder::Impl::append_paths(std::span<const Vec3> positions, std::vector<Contact>& contacts) {
   if (splits() && inside.empty()) return;
   place(positions);
   std::vector<PenetratingPoint> points;
@@ -221,7 +221,7 @@ void ContactFinder::State::append_paths(std::span<const Vec3> positions, std::ve
 }
 
 /// Removes the points of tangles that have a vertex of an inverted element. They need no query for a way out.
-std::vector<std::uint8_t> ContactFinder::State::leave_out_waiting(std::vector<PenetratingPoint>& points) {
+std::vector<std::uint8_t> ContactFinder::Impl::leave_out_waiting(std::vector<PenetratingPoint>& points) {
   std::vector<std::uint8_t> waits(1, 0);
   if (inverted.empty()) return waits;
   waits.assign(number_tangles(mesh, pieces, points), 0);
@@ -231,7 +231,7 @@ std::vector<std::uint8_t> ContactFinder::State::leave_out_waiting(std::vector<Pe
   return waits;
 }
 
-void ContactFinder::State::append_ways_out(std::span<const Vec3> positions, std::vector<PenetratingPoint>& points,
+void ContactFinder::Impl::append_ways_out(std::span<const Vec3> positions, std::vector<PenetratingPoint>& points,
                                            std::vector<Contact>& contacts) {
   std::vector<std::uint8_t> waits = leave_out_waiting(points);
   if (euclidean) euclidean->place(positions);
@@ -264,7 +264,7 @@ void ContactFinder::State::append_ways_out(std::span<const Vec3> positions, std:
   }
 }
 
-StepImpacts ContactFinder::State::find_impacts(std::span<const Vec3> positions) {
+StepImpacts ContactFinder::Impl::find_impacts(std::span<const Vec3> positions) {
   if (impacts) {
     impacts->update(positions_t0, positions);
   } else {
@@ -291,7 +291,7 @@ StepImpacts ContactFinder::State::find_impacts(std::span<const Vec3> positions) 
 }
 
 /// Marks vertices where bodies penetrate: what is inside, and faces that meet.
-void ContactFinder::State::mark_tangled() {
+void ContactFinder::Impl::mark_tangled() {
   for (const Index v : tangled_vertices) is_tangled[v] = 0;
   tangled_vertices.clear();
   const auto mark = [&](std::span<const Index> vertices) {
@@ -309,7 +309,7 @@ void ContactFinder::State::mark_tangled() {
 }
 
 /// Those at no vertex where bodies penetrate, and of no inverted element.
-StepImpacts ContactFinder::State::find_untangled_impacts(std::span<const Vec3> positions) {
+StepImpacts ContactFinder::Impl::find_untangled_impacts(std::span<const Vec3> positions) {
   StepImpacts all = find_impacts(positions);
   if (inverted.empty() && tangled_vertices.empty()) return all;
   const auto is_left_out = [&](std::span<const Index> vertices) {
@@ -331,7 +331,7 @@ StepImpacts ContactFinder::State::find_untangled_impacts(std::span<const Vec3> p
   return kept;
 }
 
-void ContactFinder::State::append_contacts(const StepImpacts& found, std::span<const Vec3> positions,
+void ContactFinder::Impl::append_contacts(const StepImpacts& found, std::span<const Vec3> positions,
                                            std::vector<Contact>& contacts) const {
   const std::size_t first = contacts.size();
   const SurfaceStep step{surface, positions_t0, positions};
@@ -347,7 +347,7 @@ void ContactFinder::State::append_contacts(const StepImpacts& found, std::span<c
   contacts.erase(std::remove_if(contacts.begin() + first, contacts.end(), waits), contacts.end());
 }
 
-void ContactFinder::State::find_contacts(std::span<const Vec3> positions, std::vector<Contact>& contacts) {
+void ContactFinder::Impl::find_contacts(std::span<const Vec3> positions, std::vector<Contact>& contacts) {
   if (!has_begun) throw Error("step", "has not begun", "call begin_step() first");
   check_positions<3>(positions, vertex_count());
   contacts.clear();
@@ -359,50 +359,50 @@ void ContactFinder::State::find_contacts(std::span<const Vec3> positions, std::v
 ContactFinder::ContactFinder(const TetMesh& mesh, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
                              std::span<const Index> vertex_objects, ContactOptions options,
                              std::span<const VertexTuple<3>> obstacles)
-    : state_(std::make_unique<State>(mesh, rest_positions, positions, vertex_objects, options, obstacles)) {}
+    : impl_(std::make_unique<Impl>(mesh, rest_positions, positions, vertex_objects, options, obstacles)) {}
 ContactFinder::~ContactFinder() = default;
 ContactFinder::ContactFinder(ContactFinder&&) noexcept = default;
 ContactFinder& ContactFinder::operator=(ContactFinder&&) noexcept = default;
 
 void ContactFinder::begin_step(std::span<const Vec3> positions_t0) {
-  state_->begin_step(positions_t0);
+  impl_->begin_step(positions_t0);
 }
 
 void ContactFinder::find_contacts(std::span<const Vec3> positions_t1, std::vector<Contact>& contacts) {
-  state_->find_contacts(positions_t1, contacts);
+  impl_->find_contacts(positions_t1, contacts);
 }
 
 StepImpacts ContactFinder::find_impacts(std::span<const Vec3> positions_t1) {
-  if (!state_->has_begun) throw Error("step", "has not begun", "call begin_step() first");
-  check_positions<3>(positions_t1, state_->vertex_count());
+  if (!impl_->has_begun) throw Error("step", "has not begun", "call begin_step() first");
+  check_positions<3>(positions_t1, impl_->vertex_count());
   StepImpacts found;
-  if (state_->uses_ccd())
-    timed(state_->statistics.seconds_ccd, [&] { found = state_->find_untangled_impacts(positions_t1); });
+  if (impl_->uses_ccd())
+    timed(impl_->statistics.seconds_ccd, [&] { found = impl_->find_untangled_impacts(positions_t1); });
   return found;
 }
 
 void ContactFinder::append_contacts(const StepImpacts& impacts, std::span<const Vec3> positions_t1,
                                     std::vector<Contact>& contacts) {
   const std::size_t first = contacts.size();
-  state_->append_contacts(impacts, positions_t1, contacts);
+  impl_->append_contacts(impacts, positions_t1, contacts);
   for (std::size_t i = first; i < contacts.size(); ++i)
-    ++state_->statistics.contacts[static_cast<int>(contacts[i].kind)];
+    ++impl_->statistics.contacts[static_cast<int>(contacts[i].kind)];
 }
 
 const ContactStatistics& ContactFinder::statistics() const {
-  return state_->statistics;
+  return impl_->statistics;
 }
 
 const TriangleMesh& ContactFinder::surface() const {
-  return state_->surface;
+  return impl_->surface;
 }
 
 std::span<const Index> ContactFinder::penetrating_vertices() const {
-  return state_->inside_vertices;
+  return impl_->inside_vertices;
 }
 
 std::span<const Index> ContactFinder::penetrating_edges() const {
-  return state_->inside_edges;
+  return impl_->inside_edges;
 }
 
 }  // namespace selvage

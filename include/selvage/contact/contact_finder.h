@@ -116,8 +116,8 @@ class ContactFinder {
   std::span<const Index> penetrating_edges() const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace selvage
