@@ -33,6 +33,7 @@
 #include "selvage/shapes/sequences.h"
 #include "selvage/shapes/shapes.h"
 #include "selvage/simulation/collider.h"
+#include "selvage/simulation/crossings.h"
 #include "selvage/simulation/model.h"
 #include "selvage/simulation/motion.h"
 #include "selvage/simulation/step.h"

@@ -2,10 +2,9 @@
 
 #include "core/timed.h"
 #include "scene/fingerprint.h"
+#include "scene/frame_measures.h"
 #include "scene/run_folder.h"
-#include "selvage/boundary_path/boundary_path.h"
 #include "selvage/core/error.h"
-#include "selvage/self_collision/self_collision.h"
 
 #include <fmt/format.h>
 
@@ -57,59 +56,6 @@ class HeldElements {
   std::vector<Held> held_;
 };
 
-void measure_motion(const Model& model, const State& state, FrameStatistics& row) {
-  for (std::size_t v = 0; v < state.velocities.size(); ++v) {
-    const double squared_speed = state.velocities[v].squaredNorm(), inverse_mass = model.inverse_masses[v];
-    row.fastest = std::max(row.fastest, std::sqrt(squared_speed));
-    if (inverse_mass > 0) row.kinetic_energy += 0.5 * squared_speed / inverse_mass;
-  }
-}
-
-void measure_penetration(BoundaryPathFinder<3>& finder, const State& state, FrameStatistics& row) {
-  finder.update(state.positions);
-  row.inverted_elements = finder.defects().inverted_elements;
-  const auto queries = finder.find_penetrating_vertices();
-  Index last = kNone;
-  for (const PathQuery<3>& query : queries) row.penetrating_vertices += std::exchange(last, query.source[0]) != last;
-  for (const BoundaryPath<3>& path : finder.find_paths(queries))
-    if (path.status == PathStatus::kFound) row.deepest_penetration = std::max(row.deepest_penetration, path.distance);
-}
-
-/// Part of an element's volume at rest up to which it is flat.
-constexpr double kFlat = 1e-9;
-
-double volume_of(const std::vector<Vec3>& positions, const VertexTuple<4>& element) {
-  const Vec3& p = positions[element[0]];
-  return (positions[element[1]] - p).cross(positions[element[2]] - p).dot(positions[element[3]] - p) / 6;
-}
-
-/// Part of a body's volume at rest up to which it has none.
-constexpr double kNoVolume = 1e-3;
-
-/// The first body without volume, or null.
-const Body* find_body_without_volume(const Model& model, const State& state) {
-  for (const Body& body : model.bodies) {
-    double volume = 0, at_rest = 0;
-    for (Index e = body.first_element; e < body.first_element + body.element_count; ++e) {
-      volume += volume_of(state.positions, model.mesh.elements()[e]);
-      at_rest += volume_of(model.rest_positions, model.mesh.elements()[e]);
-    }
-    if (volume <= kNoVolume * at_rest) return &body;
-  }
-  return nullptr;
-}
-
-void measure_volumes(const Model& model, const State& state, FrameStatistics& row) {
-  for (const auto& element : model.mesh.elements())
-    row.flat_elements +=
-        std::abs(volume_of(state.positions, element)) <= kFlat * volume_of(model.rest_positions, element);
-}
-
-void measure_pairs(SelfCollisionFinder& finder, const State& state, FrameStatistics& row) {
-  finder.update(state.positions);
-  row.triangle_pairs = std::ranges::count(finder.find_pairs(), TriangleContact::kCrossing, &TrianglePair::contact);
-}
-
 void add_step(const StepStatistics& step, FrameStatistics& row) {
   const auto& contact = step.contact;
   row.vertex_paths += contact.contacts[static_cast<std::size_t>(ContactKind::kVertexPath)];
@@ -134,25 +80,24 @@ void add_step(const StepStatistics& step, FrameStatistics& row) {
   row.seconds_steps += step.seconds;
 }
 
+StepProgress::Phase longest_phase(const StepStatistics& step) {
+  using enum StepProgress::Phase;
+  const auto& contact = step.contact;
+  // The search of holding back is in the seconds of contacts too.
+  const double finding = contact.seconds_refit + contact.seconds_split + contact.seconds_dcd + contact.seconds_paths +
+                         contact.seconds_ccd - step.seconds_hold_back;
+  const std::array<std::pair<double, StepProgress::Phase>, 4> phases{{{step.seconds_material, kMaterial},
+                                                                      {finding, kFindingContacts},
+                                                                      {step.seconds_projection, kProjection},
+                                                                      {step.seconds_hold_back, kHoldingBack}}};
+  return std::ranges::max_element(phases)->second;
+}
+
 /// A scene and the solver that takes it from frame to frame.
 class SceneSimulation {
  public:
-  explicit SceneSimulation(const Scene& scene)
-      : scene_(scene),
-        finder_(scene.model.mesh, scene.initial_state.positions),
-        surface_(boundary_surface(scene.model.mesh)),
-        surface_finder_(surface_, scene.initial_state.positions),
-        held_(scene) {}
-
-  void measure(const State& state, std::int64_t frame, FrameStatistics& row) {
-    row.frame = frame;
-    row.time = state.time;
-    row.steps = state.steps;
-    measure_motion(scene_.model, state, row);
-    measure_penetration(finder_, state, row);
-    measure_volumes(scene_.model, state, row);
-    measure_pairs(surface_finder_, state, row);
-  }
+  SceneSimulation(const Scene& scene, const RunOptions& options)
+      : scene_(scene), options_(options), measures_(scene), held_(scene) {}
 
   /// Takes the state to the end of the frame.
   FrameStatistics run_frame(State& state, std::int64_t frame) {
@@ -162,12 +107,14 @@ class SceneSimulation {
       for (int step = 0; step < scene_.substeps; ++step) {
         solver.step(state);
         add_step(solver.statistics(), row);
+        if (options_.on_step) options_.on_step({frame, step + 1, scene_.substeps, longest_phase(solver.statistics())});
       }
-      measure(state, frame, row);
+      measures_.measure(state, frame, row);
     });
     return row;
   }
 
+  FrameMeasures& measures() { return measures_; }
   Index find_inverted_held_element(const State& state) const { return held_.find_inverted(state); }
 
  private:
@@ -184,9 +131,8 @@ class SceneSimulation {
   }
 
   const Scene& scene_;
-  BoundaryPathFinder<3> finder_;
-  TriangleMesh surface_;
-  SelfCollisionFinder surface_finder_;  // refitted from frame to frame
+  const RunOptions& options_;
+  FrameMeasures measures_;
   HeldElements held_;
   std::optional<XpbdSolver> solver_;
   bool with_contact_ = false;
@@ -220,9 +166,14 @@ bool advance(const Scene& scene, SceneSimulation& simulation, std::int64_t frame
   return false;
 }
 
-void store(const RunFolder& folder, const State& state, const FrameStatistics& row) {
+/// Checks come before the frame is stored: a run that is continued never lacks one.
+void store(const RunFolder& folder, const RunOptions& options, const Scene& scene, const State& state,
+           const FrameStatistics& row, const Crossings& crossings) {
   try {
+    const bool is_checked = options.check_every > 0 && row.frame % options.check_every == 0;
+    if (is_checked) folder.store_check(row.frame, describe_crossings(scene, row.frame, crossings));
     folder.store_frame(state, row);
+    if (is_checked && options.on_check) options.on_check(row.frame, crossings);
   } catch (const SystemError& error) {
     throw SystemError(fmt::format("frame {}", row.frame), error.what());
   }
@@ -245,25 +196,29 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
   RunReport report;
   State state = scene.initial_state;
   auto stopped = folder.find_stop();
-  SceneSimulation simulation(scene);
+  SceneSimulation simulation(scene, options);
   folder.begin();
   if (stopped) {
     state = std::move(stopped->state);
     report.frames = std::move(stopped->rows);
     report.first_frame = stopped->frame;
   } else {
-    simulation.measure(state, 0, report.frames.emplace_back());
-    store(folder, state, report.frames.back());
+    simulation.measures().measure(state, 0, report.frames.emplace_back());
+    store(folder, options, scene, state, report.frames.back(), simulation.measures().crossings());
   }
   if (options.on_frame) options.on_frame(report.frames.back());
   const std::int64_t last = options.frames.value_or(scene.frames);
   for (std::int64_t frame = report.first_frame + 1; frame <= last; ++frame) {
     if (!advance(scene, simulation, frame, state, report)) break;
-    store(folder, state, report.frames.back());
+    store(folder, options, scene, state, report.frames.back(), simulation.measures().crossings());
     if (options.on_frame) options.on_frame(report.frames.back());
   }
   // A frame that failed has moved on from the last whole one.
-  report.fingerprint = fingerprint_of(report.outcome == RunOutcome::kFinished ? state : folder.find_stop()->state);
+  if (report.outcome != RunOutcome::kFinished) state = std::move(folder.find_stop()->state);
+  report.fingerprint = fingerprint_of(state);
+  FrameStatistics again;
+  simulation.measures().measure(state, report.frames.back().frame, again);
+  report.crossings = simulation.measures().crossings();
   folder.store_summary(summarize_run(scene, report));
   return report;
 }

@@ -142,8 +142,8 @@ void RunFolder::clear_unfinished(std::int64_t last_frame) const {
     for (const auto& entry : fs::directory_iterator(folder, error))
       if (is_unfinished(entry.path().filename().string())) fs::remove(entry.path(), error);
   };
-  constexpr std::array<std::pair<const char*, const char*>, 4> kFrames{
-      {{"frames", ".bin"}, {"vtu", ".vtu"}, {"surface", ".ply"}, {"surface", ".obj"}}};
+  constexpr std::array<std::pair<const char*, const char*>, 5> kFrames{
+      {{"frames", ".bin"}, {"vtu", ".vtu"}, {"surface", ".ply"}, {"surface", ".obj"}, {"checks", ".json"}}};
   for (const auto& [name, extension] : kFrames)
     remove_if(options_.folder / name, [&, extension = extension](const std::string& file) {
       return frame_number(file, extension) > last_frame ||
@@ -157,12 +157,10 @@ void RunFolder::clear_unfinished(std::int64_t last_frame) const {
 }
 
 void RunFolder::begin() const {
-  for (const char* name : {"frames", "vtu", "surface"}) {
-    const bool wanted = std::strcmp(name, "vtu") == 0       ? options_.vtu
-                        : std::strcmp(name, "surface") == 0 ? options_.surface != SurfaceFormat::kNoSurface
-                                                            : true;
-    if (wanted) make_folder(options_.folder / name);
-  }
+  make_folder(options_.folder / "frames");
+  if (options_.vtu) make_folder(options_.folder / "vtu");
+  if (options_.surface != SurfaceFormat::kNoSurface) make_folder(options_.folder / "surface");
+  if (options_.check_every > 0) make_folder(options_.folder / "checks");
   const bool is_new = !fs::exists(checkpoint_path(options_.folder));
   if (is_new) {
     clear_unfinished(-1);
@@ -183,6 +181,10 @@ void RunFolder::store_frame(const State& state, const FrameStatistics& row) cons
   write_frame(frame_path(options_.folder, row.frame), header, state.positions);
   append_row(row);
   write_checkpoint(checkpoint_path(options_.folder), header, state);
+}
+
+void RunFolder::store_check(std::int64_t frame, std::string_view json) const {
+  write_text(options_.folder / "checks" / fmt::format("frame_{:06}.json", frame), json);
 }
 
 void RunFolder::store_summary(std::string_view json) const {

@@ -34,6 +34,9 @@ class RunFolder {
   /// @throws SystemError  when something cannot be written; the frame is then not there
   void store_frame(const State& state, const FrameStatistics& row) const;
 
+  /// @param json  of the frame's check
+  void store_check(std::int64_t frame, std::string_view json) const;
+
   void store_summary(std::string_view json) const;
 
  private:

@@ -80,15 +80,42 @@ Json state_at_start(const Row& first) {
   return {{"penetrating_vertices", first.penetrating_vertices}, {"deepest_penetration", first.deepest_penetration}};
 }
 
-Json state_at_end(const Row& last, std::uint64_t fingerprint) {
-  return {{"fingerprint", digits(fingerprint)},
-          {"penetrating_vertices", last.penetrating_vertices},
-          {"deepest_penetration", last.deepest_penetration},
-          {"triangle_pairs", last.triangle_pairs},
-          {"inverted_elements", last.inverted_elements},
-          {"flat_elements", last.flat_elements},
-          {"kinetic_energy", last.kinetic_energy},
-          {"fastest", last.fastest}};
+/// Pairs of bodies that cross, and colliders that do.
+void add_crossings(const Scene& scene, const Crossings& crossings, Json& json) {
+  json["body_pairs"] = Json::array();
+  for (const BodyPairCrossings& pair : crossings.bodies.pairs)
+    json["body_pairs"].push_back({{"bodies",
+                                   {scene.model.bodies[static_cast<std::size_t>(pair.first)].name,
+                                    scene.model.bodies[static_cast<std::size_t>(pair.second)].name}},
+                                  {"triangle_pairs", pair.triangle_pairs},
+                                  {"vertices", pair.vertices},
+                                  {"deepest_vertex", pair.deepest_vertex},
+                                  {"edges", pair.edges},
+                                  {"deepest_edge", pair.deepest_edge}});
+  json["colliders"] = Json::array();
+  for (std::size_t c = 0; c < crossings.colliders.size(); ++c)
+    if (const ColliderCrossings& collider = crossings.colliders[c]; collider.any())
+      json["colliders"].push_back({{"collider", c},
+                                   {"vertices", collider.vertices},
+                                   {"deepest_vertex", collider.deepest_vertex},
+                                   {"points", collider.points},
+                                   {"deepest_point", collider.deepest_point}});
+}
+
+Json state_at_end(const Scene& scene, const RunReport& report) {
+  const Row& last = report.frames.back();
+  Json json{{"fingerprint", digits(report.fingerprint)},
+            {"penetrating_vertices", last.penetrating_vertices},
+            {"deepest_penetration", last.deepest_penetration},
+            {"penetrating_edges", last.penetrating_edges},
+            {"deepest_edge", last.deepest_edge},
+            {"triangle_pairs", last.triangle_pairs},
+            {"inverted_elements", last.inverted_elements},
+            {"flat_elements", last.flat_elements},
+            {"kinetic_energy", last.kinetic_energy},
+            {"fastest", last.fastest}};
+  add_crossings(scene, report.crossings, json);
+  return json;
 }
 
 }  // namespace
@@ -111,7 +138,7 @@ std::string summarize_run(const Scene& scene, const RunReport& report) {
   json["average_per_step"] = averages_per_step(totals, static_cast<double>(last.steps));
   json["average_per_path"] = averages_per_path(totals);
   json["at_start"] = state_at_start(report.frames.front());
-  json["at_end"] = state_at_end(last, report.fingerprint);
+  json["at_end"] = state_at_end(scene, report);
   json["frame_seconds"] = {{"average", ratio(totals.frames, static_cast<double>(last.frame))},
                            {"longest", totals.longest}};
   json["shares"] = {{"material", ratio(totals.material, totals.steps)},
@@ -119,6 +146,12 @@ std::string summarize_run(const Scene& scene, const RunReport& report) {
                     {"dcd", ratio(totals.detect, totals.steps)},
                     {"paths", ratio(totals.paths, totals.steps)}};
   json["seconds"] = {{"steps", totals.steps}, {"frames", totals.frames}};
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string describe_crossings(const Scene& scene, std::int64_t frame, const Crossings& crossings) {
+  Json json{{"schema", 1}, {"kind", "check"}, {"frame", frame}, {"crosses", crossings.any()}};
+  add_crossings(scene, crossings, json);
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -54,6 +54,43 @@ TEST_F(Simulate, SaysAtTheStartThatBodiesOverlap) {
   EXPECT_NEAR(report["at_start"]["deepest_penetration"].get<double>(), 0.06, 1e-9);
 }
 
+TEST_F(Simulate, SaysWhatStandsInWhatByPairsOfBodiesAndColliders) {
+  // Two cubes in one another, a third apart, and a wall between the vertices of the first.
+  write_text(file("crossing.json"), R"({"selvage_scene": 1, "frames": 5, "gravity": [0, 0, 0],
+    "contact": {"mode": "none"},
+    "bodies": [
+      {"name": "a", "mesh": {"shape": "box", "size": [1, 1, 1], "cell": 0.5}},
+      {"name": "b", "mesh": {"shape": "box", "size": [1, 1, 1], "cell": 0.5}, "translate": [0.9, 0.07, 0.03]},
+      {"name": "c", "mesh": {"shape": "box", "size": [1, 1, 1], "cell": 0.5}, "translate": [5, 0, 0]}],
+    "colliders": [{"plane": {"point": [0, 0, -9], "normal": [0, 0, 1]}},
+                  {"mesh": {"shape": "box", "size": [0.1, 3, 3], "cell": 9}, "translate": [0.2, -1, -2.2]}]})");
+  const std::string said = run_well("simulate crossing.json -o run --check-every 2 --json report.json").out;
+  for (const char* word : {"frame 0 ", "frame 2 ", "frame 4 ", "pairs of triangles cross", "deepest 100 mm",
+                           "in 'a' and 'b'", "colliders in bodies"})
+    EXPECT_NE(said.find(word), std::string::npos) << said << "without " << word;
+  EXPECT_EQ(said.find("frame 3 "), std::string::npos);
+  EXPECT_TRUE(fs::exists(file("run/checks/frame_000004.json")));
+  EXPECT_FALSE(fs::exists(file("run/checks/frame_000005.json")));
+  const auto check = nlohmann::json::parse(read_text(file("run/checks/frame_000002.json")));
+  EXPECT_EQ(check["crosses"], true);
+  const auto report = nlohmann::json::parse(read_text(file("report.json")));
+  for (const auto& found : {check, report["at_end"]}) {
+    ASSERT_EQ(found["body_pairs"].size(), 1u) << found;
+    EXPECT_EQ(found["body_pairs"][0]["bodies"], nlohmann::json::parse(R"(["a", "b"])"));
+    EXPECT_NEAR(found["body_pairs"][0]["deepest_vertex"].get<double>(), 0.1, 1e-9);
+    EXPECT_NEAR(found["body_pairs"][0]["deepest_edge"].get<double>(), 0.1, 1e-9);
+    EXPECT_GT(found["body_pairs"][0]["triangle_pairs"], 0);
+    ASSERT_EQ(found["colliders"].size(), 1u) << found;
+    EXPECT_EQ(found["colliders"][0]["collider"], 1);
+    EXPECT_GT(found["colliders"][0]["points"], 0);
+  }
+  write_text(file("blocks.json"), kScene);
+  const std::string free = run_well("simulate blocks.json -o free --frames 2 --check-every 1").out;
+  EXPECT_NE(free.find("frame 1          free\n"), std::string::npos) << free;
+  EXPECT_EQ(free.find("colliders in bodies"), std::string::npos);
+  expect_refused("simulate blocks.json -o no --check-every 0", 2, {"--check-every"});
+}
+
 TEST_F(Simulate, RefusesWithOneLine) {
   write_text(file("blocks.json"), kScene);
   write_text(file("wrong.json"), R"({"selvage_scene": 1, "bodies": [{"mesh": {"shape": "bux"}}]})");
@@ -108,7 +145,7 @@ std::map<std::string, std::string> files_of(const fs::path& folder) {
 
 /// Runs the program and ends it by SIGKILL after some time; false if it was done before.
 bool run_and_kill(const std::string& scene, const std::string& folder, std::chrono::microseconds time) {
-  std::vector<std::string> words{SELVAGE_PROGRAM, "simulate", scene, "-o", folder, "--resume", "--vtu", "--quiet"};
+  std::vector<std::string> words{SELVAGE_PROGRAM, "simulate", scene, "-o", folder, "--resume", "--vtu", "--check-every", "3", "--quiet"};
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
@@ -124,7 +161,7 @@ bool run_and_kill(const std::string& scene, const std::string& folder, std::chro
 TEST_F(Simulate, KilledAtAnyMomentItEndsAsIfItHadNeverStopped) {
   write_text(file("blocks.json"), kScene);
   const auto start = std::chrono::steady_clock::now();
-  run_well("simulate blocks.json -o whole --vtu -q");
+  run_well("simulate blocks.json -o whole --vtu --check-every 3 -q");
   const auto whole_time =
       std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start);
   const auto expected = files_of(file("whole"));
@@ -137,7 +174,7 @@ TEST_F(Simulate, KilledAtAnyMomentItEndsAsIfItHadNeverStopped) {
     ASSERT_LT(round, 20);
     const std::string name = "killed" + std::to_string(round);
     while (run_and_kill(file("blocks.json"), file(name), std::chrono::microseconds(moment(engine)))) ++kills;
-    run_well("simulate blocks.json -o " + name + " --resume --vtu -q");
+    run_well("simulate blocks.json -o " + name + " --resume --vtu --check-every 3 -q");
     EXPECT_TRUE(files_of(file(name)) == expected) << "after " << kills << " kills";
   }
 }

@@ -87,8 +87,12 @@ TEST(Run, WritesTheFilesOfEachFrame) {
   options.surface = SurfaceFormat::kPly;
   std::vector<std::int64_t> seen;
   options.on_frame = [&](const FrameStatistics& row) { seen.push_back(row.frame); };
+  std::vector<std::array<std::int64_t, 3>> steps;
+  options.on_step = [&](const StepProgress& step) { steps.push_back({step.frame, step.step, step.steps}); };
   const RunReport report = run_scene(scene, options);
   EXPECT_EQ(report.outcome, RunOutcome::kFinished);
+  ASSERT_EQ(steps.size(), 18u);
+  EXPECT_EQ(steps[3], (std::array<std::int64_t, 3>{2, 1, 3}));
   EXPECT_EQ(seen, (std::vector<std::int64_t>{0, 1, 2, 3, 4, 5, 6}));
   ASSERT_EQ(report.frames.size(), 7u);
   EXPECT_EQ(report.frames[6].steps, 18);

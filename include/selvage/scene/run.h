@@ -1,6 +1,7 @@
 #pragma once
 
 #include "selvage/scene/scene.h"
+#include "selvage/simulation/crossings.h"
 
 #include <functional>
 #include <optional>
@@ -24,7 +25,12 @@ struct FrameStatistics {
   // At the end of the frame.
   std::int64_t penetrating_vertices = 0;  ///< boundary vertices inside an element that is not theirs
   double deepest_penetration = 0;         ///< longest shortest path to the boundary of one of them [m]
+  std::int64_t penetrating_edges = 0;     ///< boundary edges that run through an element without a vertex of theirs
+  double deepest_edge = 0;                ///< likewise of a point between their ends [m]
   std::int64_t triangle_pairs = 0;        ///< triangles of the boundary that cross and share no vertex, by exact tests
+  // Sums and largest of ColliderCrossings over all colliders.
+  std::int64_t vertices_in_colliders = 0, collider_points = 0;
+  double deepest_in_colliders = 0, deepest_collider_point = 0;
   std::int64_t inverted_elements = 0;
   std::int64_t flat_elements = 0;  ///< volume of either sign of at most 1e-9 of that at rest
   double kinetic_energy = 0;       ///< [J]
@@ -39,6 +45,24 @@ struct FrameStatistics {
   double seconds_steps = 0, seconds_frame = 0;
 };
 
+/// Bodies in one another and in colliders at the end of a frame.
+struct Crossings {
+  BodyCrossings bodies;
+  std::vector<ColliderCrossings> colliders;  ///< one a collider of the scene
+
+  /// Whether bodies stand in one another or in a collider: triangles cross, or vertices or points are inside.
+  bool any() const;
+};
+
+/// A step that has been done, while its frame goes on.
+struct StepProgress {
+  std::int64_t frame;  ///< the step's
+  int step;            ///< done of the frame
+  int steps;           ///< of a frame
+  /// What most of the step's time went to.
+  enum class Phase : std::uint8_t { kMaterial, kFindingContacts, kProjection, kHoldingBack } phase;
+};
+
 enum class SurfaceFormat : std::uint8_t { kNoSurface, kPly, kObj };
 
 /// Options of a run, and files to write besides frames, statistics and checkpoints.
@@ -48,8 +72,11 @@ struct RunOptions {
   bool resume = false;                                ///< continue the run that the folder holds; without one, begin
   bool vtu = false;                                   ///< vtu/frame_000000.vtu and frames.pvd
   SurfaceFormat surface = SurfaceFormat::kNoSurface;  ///< surface/frame_000000.ply
+  std::int64_t check_every = 0;                       ///< checks/frame_000000.json after so many frames; 0: never
   /// Called after each frame, and once with the frame that the run begins or continues from.
   std::function<void(const FrameStatistics&)> on_frame{};
+  std::function<void(const StepProgress&)> on_step{};                    ///< called after each step
+  std::function<void(std::int64_t frame, const Crossings&)> on_check{};  ///< called after each check of a frame
 };
 
 /// How a run ended.
@@ -66,6 +93,7 @@ struct RunReport {
   std::int64_t first_frame = 0;         ///< that this call began or continued from
   std::vector<FrameStatistics> frames;  ///< from frame 0 on, those of earlier calls too
   std::uint64_t fingerprint = 0;        ///< of every bit of the positions and velocities after the last frame
+  Crossings crossings;                  ///< at the end of the last frame
 };
 
 /// Runs a scene and writes its files (docs/guides/run_files.md) to a folder.
@@ -81,5 +109,8 @@ RunReport run_scene(const Scene& scene, const RunOptions& options);
 
 /// Counts, averages per step, shares of time and the last frame's figures as JSON, as in summary.json.
 std::string summarize_run(const Scene& scene, const RunReport& report);
+
+/// Crossings of a frame as JSON, as in checks/frame_000000.json and in summary.json under `at_end`.
+std::string describe_crossings(const Scene& scene, std::int64_t frame, const Crossings& crossings);
 
 }  // namespace selvage

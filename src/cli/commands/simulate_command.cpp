@@ -5,7 +5,9 @@
 #include "selvage/scene/run.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -18,7 +20,7 @@ namespace {
 struct SimulateOptions {
   CommonOptions common;
   std::string scene, scale, folder, surface;
-  std::int64_t frames = -1;
+  std::int64_t frames = -1, check_every = 0;
   bool resume = false, vtu = false;
 };
 
@@ -40,7 +42,23 @@ std::string frames_a_minute(double frames, double seconds) {
                     : fmt::format("{} frames a minute", grouped(std::llround(pace)));
 }
 
-/// Frames per minute and what is left, while the run goes on.
+const char* name_of(StepProgress::Phase phase) {
+  switch (phase) {
+    case StepProgress::Phase::kMaterial:
+      return "material";
+    case StepProgress::Phase::kFindingContacts:
+      return "finding contacts";
+    case StepProgress::Phase::kProjection:
+      return "projecting contacts";
+    default:
+      return "holding back";
+  }
+}
+
+/// A frame that takes longer says what it is busy with [s].
+constexpr double kLongFrame = 2;
+
+/// Frames per minute and what is left, while the run goes on; in a long frame its step.
 class FrameProgress {
  public:
   FrameProgress(std::int64_t last, bool quiet) : bar_("frame", quiet), last_(last) {}
@@ -50,20 +68,33 @@ class FrameProgress {
       first_ = frame;
       start_ = Clock::now();
     }
-    const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+    frame_start_ = Clock::now();
+    const double seconds = seconds_since(start_);
     const auto done = static_cast<double>(frame - first_), left = static_cast<double>(last_ - frame);
     std::string note = fmt::format("{} of {}", frame, last_);
     if (done > 0)
-      note += fmt::format(", {}, {} left", frames_a_minute(done, seconds), readable_duration(left * seconds / done));
-    bar_.show(last_ > 0 ? static_cast<double>(frame) / static_cast<double>(last_) : 1, note);
+      note += fmt::format(", {:.3g} a minute, {} left", 60 * done / seconds, readable_duration(left * seconds / done));
+    show(frame, note);
+  }
+  void show_step(const StepProgress& step) {
+    if (first_ >= 0 && seconds_since(frame_start_) > kLongFrame)
+      show(step.frame - 1,
+           fmt::format("{} of {}, step {} of {}: {}", step.frame, last_, step.step, step.steps, name_of(step.phase)));
   }
   void clear() { bar_.clear(); }
 
  private:
   using Clock = std::chrono::steady_clock;
+  static double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+  }
+  void show(std::int64_t frame, const std::string& note) {
+    bar_.show(last_ > 0 ? static_cast<double>(frame) / static_cast<double>(last_) : 1, note);
+  }
+
   ProgressBar bar_;
   std::int64_t last_, first_ = -1;
-  Clock::time_point start_;
+  Clock::time_point start_, frame_start_;
 };
 
 /// Says before the first frame that bodies overlap: the figures at the end do not tell what the scene began with.
@@ -72,6 +103,61 @@ void print_start(const FrameStatistics& row) {
   fmt::print("at the start     {} {} inside bodies, at most {:.3g} mm deep\n", grouped(row.penetrating_vertices),
              row.penetrating_vertices == 1 ? "vertex" : "vertices", 1e3 * row.deepest_penetration);
   std::fflush(stdout);
+}
+
+std::string depth_text(double depth) {
+  return depth < 0.1 ? fmt::format("{:.3g} mm", 1e3 * depth) : fmt::format("{:.3g} m", depth);
+}
+
+std::string count_text(std::int64_t count, const char* one, const char* many) {
+  return fmt::format("{} {}", grouped(count), count == 1 ? one : many);
+}
+
+/// Crossings in one line: "free" where nothing crosses.
+std::string crossings_text(const Crossings& crossings) {
+  if (!crossings.any()) return "free";
+  std::vector<std::string> parts;
+  const BodyPairCrossings& bodies = crossings.bodies.total;
+  if (bodies.triangle_pairs > 0)
+    parts.push_back(count_text(bodies.triangle_pairs, "pair of triangles crosses", "pairs of triangles cross"));
+  if (bodies.vertices > 0)
+    parts.push_back(fmt::format("{} inside, deepest {}", count_text(bodies.vertices, "vertex", "vertices"),
+                                depth_text(bodies.deepest_vertex)));
+  if (bodies.edges > 0)
+    parts.push_back(
+        fmt::format("{}, deepest {}", count_text(bodies.edges, "edge", "edges"), depth_text(bodies.deepest_edge)));
+  ColliderCrossings all;
+  for (const ColliderCrossings& collider : crossings.colliders) all.add(collider);
+  if (all.any())
+    parts.push_back(fmt::format("in colliders {}", depth_text(std::max(all.deepest_vertex, all.deepest_point))));
+  return fmt::format("{}", fmt::join(parts, "; "));
+}
+
+/// Crossing pairs of triangles, and the two bodies that have most of them.
+std::string triangle_pairs_text(const Scene& scene, const BodyCrossings& crossings) {
+  if (crossings.total.triangle_pairs == 0) return "none at the end";
+  std::string text = count_text(crossings.total.triangle_pairs, "pair at the end", "pairs at the end");
+  const BodyPairCrossings& most = *std::ranges::max_element(crossings.pairs, {}, &BodyPairCrossings::triangle_pairs);
+  const auto name = [&](Index body) { return scene.model.bodies[static_cast<std::size_t>(body)].name; };
+  if (scene.model.bodies.size() > 1)
+    text += fmt::format(", {} in '{}' and '{}'", grouped(most.triangle_pairs), name(most.first), name(most.second));
+  return text;
+}
+
+/// Rows that say what stands in what at the end; those about edges and colliders only where they say something.
+void add_crossings(const Scene& scene, const Crossings& crossings, Table& table) {
+  const BodyPairCrossings& bodies = crossings.bodies.total;
+  const auto inside = [](std::int64_t count, double depth) {
+    return count == 0 ? std::string("none at the end")
+                      : fmt::format("{} at the end, deepest {}", grouped(count), depth_text(depth));
+  };
+  table.add("penetrating vertices", inside(bodies.vertices, bodies.deepest_vertex));
+  if (bodies.edges > 0) table.add("penetrating edges", inside(bodies.edges, bodies.deepest_edge));
+  table.add("crossing triangles", triangle_pairs_text(scene, crossings.bodies));
+  ColliderCrossings all;
+  for (const ColliderCrossings& collider : crossings.colliders) all.add(collider);
+  if (all.vertices > 0) table.add("vertices in colliders", inside(all.vertices, all.deepest_vertex));
+  if (all.points > 0) table.add("colliders in bodies", inside(all.points, all.deepest_point));
 }
 
 void print_summary(const SimulateOptions& options, const Scene& scene, const RunReport& report, double seconds) {
@@ -87,14 +173,7 @@ void print_summary(const SimulateOptions& options, const Scene& scene, const Run
                           : fmt::format("{}", last.frame));
   table.add("steps", fmt::format("{} of {:.3g} s, {} iterations each", grouped(last.steps), scene.options.time_step,
                                  scene.options.iterations));
-  table.add("penetrating vertices", last.penetrating_vertices == 0
-                                        ? std::string("none at the end")
-                                        : fmt::format("{} at the end, deepest {:.3g} m",
-                                                      grouped(last.penetrating_vertices), last.deepest_penetration));
-  table.add("crossing triangles", last.triangle_pairs == 0
-                                      ? std::string("none at the end")
-                                      : fmt::format("{} {} at the end", grouped(last.triangle_pairs),
-                                                    last.triangle_pairs == 1 ? "pair" : "pairs"));
+  add_crossings(scene, report.crossings, table);
   table.add("inverted elements", grouped(last.inverted_elements));
   if (last.flat_elements > 0) table.add("flat elements", grouped(last.flat_elements));
   table.add("fastest vertex", fmt::format("{:.3g} m/s", last.fastest));
@@ -110,6 +189,7 @@ RunOptions run_options(const SimulateOptions& options) {
   run.folder = options.folder;
   if (options.frames >= 0) run.frames = options.frames;
   run.resume = options.resume;
+  run.check_every = options.check_every;
   run.vtu = options.vtu;
   if (options.surface == "ply") run.surface = SurfaceFormat::kPly;
   if (options.surface == "obj") run.surface = SurfaceFormat::kObj;
@@ -130,6 +210,13 @@ void run_simulate(const SimulateOptions& options) {
     if (prints) print_start(row);
     progress.show(row.frame);
   };
+  run.on_step = [&](const StepProgress& step) { progress.show_step(step); };
+  if (prints)
+    run.on_check = [&](std::int64_t frame, const Crossings& crossings) {
+      progress.clear();
+      fmt::print("frame {:<10} {}\n", frame, crossings_text(crossings));
+      std::fflush(stdout);
+    };
   watch.lap("read");
   const RunReport report = run_scene(scene, run);
   watch.lap("run");
@@ -158,6 +245,10 @@ Command add_simulate(CLI::App& app) {
       ->type_name("N");
   sub->add_flag("--resume", options->resume, "Continue the run in the folder from its last frame, if it has one");
   sub->add_option("--scale", options->scale, "A scale of the scene, such as paper")->type_name("NAME");
+  sub->add_option("--check-every", options->check_every,
+                  "Say every N frames what crosses, and write it by pairs of bodies to checks/frame_*.json")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000}))
+      ->type_name("N");
   sub->add_flag("--vtu", options->vtu, "Also write vtu/frame_*.vtu and frames.pvd, for ParaView");
   sub->add_option("--surface", options->surface, "Also write the boundary: surface/frame_*.ply or .obj")
       ->check(CLI::IsMember({"ply", "obj"}))

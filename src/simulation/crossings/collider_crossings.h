@@ -2,30 +2,13 @@
 
 #include "selvage/boundary_path/boundary_path.h"
 #include "selvage/simulation/collider.h"
+#include "selvage/simulation/crossings.h"
 #include "selvage/simulation/model.h"
 #include "simulation/crossings/collider_curves.h"
 
 namespace selvage {
 
 struct PreparedCollider;
-
-/// How far bodies and one collider stand in one another.
-///
-/// Counted are depths of more than kMinCrossing of the body's cell, the mean length of its elements' edges at rest.
-/// The deepest are the deepest of all, 0 where there are none.
-struct ColliderCrossings {
-  std::int64_t vertices = 0;    ///< of bodies, inside the collider
-  double deepest_vertex = 0;    ///< of them, by its shortest way out of the collider [m]
-  std::int64_t points = 0;      ///< of the collider, inside elements
-  double deepest_point = 0;     ///< of them, by its shortest path to the boundary [m]
-  double deepest_in_cells = 0;  ///< the largest of these depths over the cell of its body
-
-  bool any() const { return vertices > 0 || points > 0; }
-  void add(const ColliderCrossings& other);
-};
-
-/// Part of a body's cell up to which a depth counts as contact.
-inline constexpr double kMinCrossing = 0.01;
 
 /// Measures how far bodies and colliders stand in one another, in any pose and whatever led to it.
 ///

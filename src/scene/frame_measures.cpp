@@ -1,0 +1,87 @@
+#include "scene/frame_measures.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace selvage {
+
+namespace {
+
+void measure_motion(const Model& model, const State& state, FrameStatistics& row) {
+  for (std::size_t v = 0; v < state.velocities.size(); ++v) {
+    const double squared_speed = state.velocities[v].squaredNorm(), inverse_mass = model.inverse_masses[v];
+    row.fastest = std::max(row.fastest, std::sqrt(squared_speed));
+    if (inverse_mass > 0) row.kinetic_energy += 0.5 * squared_speed / inverse_mass;
+  }
+}
+
+/// Part of an element's volume at rest up to which it is flat.
+constexpr double kFlat = 1e-9;
+
+double volume_of(const std::vector<Vec3>& positions, const VertexTuple<4>& element) {
+  const Vec3& p = positions[element[0]];
+  return (positions[element[1]] - p).cross(positions[element[2]] - p).dot(positions[element[3]] - p) / 6;
+}
+
+/// Part of a body's volume at rest up to which it has none.
+constexpr double kNoVolume = 1e-3;
+
+void measure_volumes(const Model& model, const State& state, FrameStatistics& row) {
+  for (const auto& element : model.mesh.elements())
+    row.flat_elements +=
+        std::abs(volume_of(state.positions, element)) <= kFlat * volume_of(model.rest_positions, element);
+}
+
+void add_crossings(const Crossings& crossings, FrameStatistics& row) {
+  const BodyPairCrossings& bodies = crossings.bodies.total;
+  row.triangle_pairs = bodies.triangle_pairs;
+  row.penetrating_vertices = bodies.vertices;
+  row.deepest_penetration = bodies.deepest_vertex;
+  row.penetrating_edges = bodies.edges;
+  row.deepest_edge = bodies.deepest_edge;
+  ColliderCrossings all;
+  for (const ColliderCrossings& collider : crossings.colliders) all.add(collider);
+  row.vertices_in_colliders = all.vertices;
+  row.deepest_in_colliders = all.deepest_vertex;
+  row.collider_points = all.points;
+  row.deepest_collider_point = all.deepest_point;
+}
+
+}  // namespace
+
+FrameMeasures::FrameMeasures(const Scene& scene)
+    : scene_(scene),
+      finder_(scene.model.mesh, scene.initial_state.positions),
+      bodies_(scene.model, scene.initial_state.positions),
+      colliders_(scene.model, scene.colliders, scene.handles) {}
+
+void FrameMeasures::measure(const State& state, std::int64_t frame, FrameStatistics& row) {
+  row.frame = frame;
+  row.time = state.time;
+  row.steps = state.steps;
+  measure_motion(scene_.model, state, row);
+  measure_volumes(scene_.model, state, row);
+  finder_.update(state.positions);
+  row.inverted_elements = finder_.defects().inverted_elements;
+  crossings_ = {bodies_.measure(finder_, state.positions), colliders_.measure(finder_, state)};
+  add_crossings(crossings_, row);
+}
+
+const Body* find_body_without_volume(const Model& model, const State& state) {
+  for (const Body& body : model.bodies) {
+    double volume = 0, at_rest = 0;
+    for (Index e = body.first_element; e < body.first_element + body.element_count; ++e) {
+      volume += volume_of(state.positions, model.mesh.elements()[e]);
+      at_rest += volume_of(model.rest_positions, model.mesh.elements()[e]);
+    }
+    if (volume <= kNoVolume * at_rest) return &body;
+  }
+  return nullptr;
+}
+
+bool Crossings::any() const {
+  return bodies.total.triangle_pairs > 0 || bodies.total.vertices > 0 ||
+         std::ranges::any_of(colliders, &ColliderCrossings::any);
+}
+
+}  // namespace selvage

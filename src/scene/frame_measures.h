@@ -1,0 +1,33 @@
+#pragma once
+
+#include "selvage/boundary_path/boundary_path.h"
+#include "selvage/scene/run.h"
+#include "simulation/crossings/body_crossings.h"
+#include "simulation/crossings/collider_crossings.h"
+
+namespace selvage {
+
+/// Measures states of a scene, one after the other.
+class FrameMeasures {
+ public:
+  /// @param scene  must outlive the measures
+  explicit FrameMeasures(const Scene& scene);
+
+  /// Sets all of a row that is measured at the end of a frame, and crossings().
+  void measure(const State& state, std::int64_t frame, FrameStatistics& row);
+
+  /// Of the state measured last.
+  const Crossings& crossings() const { return crossings_; }
+
+ private:
+  const Scene& scene_;
+  BoundaryPathFinder<3> finder_;
+  BodyCrossingFinder bodies_;
+  ColliderCrossingFinder colliders_;
+  Crossings crossings_;
+};
+
+/// The first body without volume, or null.
+const Body* find_body_without_volume(const Model& model, const State& state);
+
+}  // namespace selvage
