@@ -29,6 +29,7 @@ ShapeOptions read_shape_options(JsonObject& object) {
   if (const auto v = object.find("radius")) options.radius = v->number(kPositive);
   if (const auto v = object.find("inner_radius")) options.inner_radius = v->number(kPositive);
   if (const auto v = object.find("tentacles")) options.tentacles = static_cast<int>(v->integer(1, 100'000));
+  if (const auto v = object.find("teeth")) options.teeth = static_cast<int>(v->integer(5, 1000));
   if (const auto v = object.find("seed")) options.seed = static_cast<unsigned>(v->integer(0, 1'000'000'000));
   if (const auto v = object.find("slenderness")) options.slenderness = v->number({1, 10});
   return options;

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "selvage/shapes/shapes.h"
+#include "shapes/rod_curves.h"
 #include "shapes/shape_counts.h"
 #include "shapes/shapes_implicit.h"
 
@@ -17,6 +18,7 @@ struct Measures {
   int tentacles = 0;
   unsigned seed = 1;
   double slenderness = 1;
+  int teeth = 0;
 };
 
 /// Which of the options a shape has.
@@ -27,7 +29,8 @@ enum Uses : unsigned {
   kInnerRadius = 8,
   kTentacles = 16,
   kSeed = 32,
-  kSlenderness = 64
+  kSlenderness = 64,
+  kTeeth = 128
 };
 
 struct NamedShape {
@@ -52,11 +55,9 @@ IndexedMesh make_box_of(const Measures& m, double cell) {
 double rod_cell(const Measures& m) {
   return m.radius / 2;
 }
-double count_open_rod(const Measures& m, double cell) {
-  return swept_cells(m.length, m.radius, cell, 1).elements;
-}
-double count_knot(const Measures& m, double cell) {
-  return swept_cells(m.length, m.radius, cell, kMinKnotLayers).elements;
+template <RodCurve kCurve>
+double count_rod(const Measures& m, double cell) {
+  return swept_cells(m.length, m.radius, cell, fewest_layers(kCurve)).elements;
 }
 template <RodCurve kCurve>
 IndexedMesh make_rod_of(const Measures& m, double cell) {
@@ -65,7 +66,7 @@ IndexedMesh make_rod_of(const Measures& m, double cell) {
 
 constexpr unsigned kRod = kLength | kRadius;
 
-const std::array<NamedShape, 12> kShapes = {{
+const std::array<NamedShape, 15> kShapes = {{
     {"box",
      kSize,
      {.size = {1, 1, 1}},
@@ -80,16 +81,48 @@ const std::array<NamedShape, 12> kShapes = {{
      unlimited,
      count_box,
      make_box_of},
-    {"rod", kRod, {.length = 6, .radius = 0.25}, rod_cell, unlimited, count_open_rod, make_rod_of<RodCurve::kStraight>},
-    {"trefoil", kRod, {.length = 20, .radius = 0.25}, rod_cell, unlimited, count_knot, make_rod_of<RodCurve::kTrefoil>},
+    {"rod",
+     kRod,
+     {.length = 6, .radius = 0.25},
+     rod_cell,
+     unlimited,
+     count_rod<RodCurve::kStraight>,
+     make_rod_of<RodCurve::kStraight>},
+    {"trefoil",
+     kRod,
+     {.length = 20, .radius = 0.25},
+     rod_cell,
+     unlimited,
+     count_rod<RodCurve::kTrefoil>,
+     make_rod_of<RodCurve::kTrefoil>},
     {"nested-knot",
      kRod,
      {.length = 60, .radius = 0.25},
      rod_cell,
      unlimited,
-     count_knot,
+     count_rod<RodCurve::kNestedKnot>,
      make_rod_of<RodCurve::kNestedKnot>},
-    {"noodle", kRod, {.length = 60, .radius = 0.1}, rod_cell, unlimited, count_open_rod, make_rod_of<RodCurve::kCoil>},
+    {"noodle",
+     kRod,
+     {.length = 60, .radius = 0.1},
+     rod_cell,
+     unlimited,
+     count_rod<RodCurve::kCoil>,
+     make_rod_of<RodCurve::kCoil>},
+    {"overhand",
+     kRod,
+     {.length = 30, .radius = 0.25},
+     rod_cell,
+     unlimited,
+     count_rod<RodCurve::kOverhand>,
+     make_rod_of<RodCurve::kOverhand>},
+    {"nested-overhand",
+     kRod,
+     {.length = 120, .radius = 0.25},
+     rod_cell,
+     unlimited,
+     count_rod<RodCurve::kNestedOverhand>,
+     make_rod_of<RodCurve::kNestedOverhand>},
     {"ball",
      kRadius,
      {.radius = 1},
@@ -129,6 +162,15 @@ const std::array<NamedShape, 12> kShapes = {{
      [](const Measures& m) { return coarsest_cell(octopus_tip_radius(m.radius, m.slenderness)); },
      nullptr,
      [](const Measures& m, double cell) { return make_octopus(m.radius, cell, m.seed, m.slenderness); }},
+    {"gear",
+     kRod | kInnerRadius | kTeeth,
+     {.length = 0.3, .radius = 1, .inner_radius = 0.3, .teeth = 12},
+     [](const Measures& m) { return (m.radius - m.inner_radius) / 6; },
+     unlimited,
+     [](const Measures& m, double cell) {
+       return gear_cells(m.radius, m.inner_radius, m.length, m.teeth, cell).elements;
+     },
+     [](const Measures& m, double cell) { return make_gear(m.radius, m.inner_radius, m.length, m.teeth, cell); }},
     {"cloth",
      kSize,
      {.size = {2, 2, 0}},
@@ -164,6 +206,7 @@ Measures measures_of(const NamedShape& shape, const ShapeOptions& options) {
   take(shape, kRadius, "radius", options.radius, m.radius);
   take(shape, kInnerRadius, "inner radius", options.inner_radius, m.inner_radius);
   take(shape, kTentacles, "tentacles", options.tentacles, m.tentacles);
+  take(shape, kTeeth, "teeth", options.teeth, m.teeth);
   take(shape, kSeed, "seed", options.seed, m.seed);
   take(shape, kSlenderness, "slenderness", options.slenderness, m.slenderness);
   if (shape.uses & kSize) {
@@ -207,9 +250,9 @@ class ElementCount {
 }  // namespace
 
 std::span<const std::string_view> shape_names() {
-  static constexpr std::array<std::string_view, 12> kNames = {"box",         "beam",         "rod",     "trefoil",
-                                                              "nested-knot", "noodle",       "ball",    "torus",
-                                                              "tube",        "squishy-ball", "octopus", "cloth"};
+  static constexpr std::array<std::string_view, 15> kNames = {
+      "box",  "beam",  "rod",  "trefoil",      "nested-knot", "noodle", "overhand", "nested-overhand",
+      "ball", "torus", "tube", "squishy-ball", "octopus",     "gear",   "cloth"};
   return kNames;
 }
 

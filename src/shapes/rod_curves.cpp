@@ -1,5 +1,7 @@
 #include "shapes/rod_curves.h"
 
+#include "shapes/open_knots.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -52,6 +54,10 @@ struct ParametricCurve {
         return scale * nested_knot_point(t);
       case RodCurve::kCoil:
         return scale * Vec3(coil_radius * std::cos(t), coil_radius * std::sin(t), coil_rise * t);
+      case RodCurve::kOverhand:
+        return scale * overhand_point(t);
+      case RodCurve::kNestedOverhand:
+        return scale * nested_overhand_point(t);
       default:
         return scale * Vec3(t, 0, 0);
     }
@@ -99,7 +105,7 @@ ParametricCurve curve_of_length(RodCurve kind, double length, double radius) {
     curve.end = length / std::hypot(curve.coil_radius, curve.coil_rise);
     return curve;
   }
-  curve.end = kind == RodCurve::kNestedKnot ? 4 * pi : 2 * pi;
+  if (is_closed(kind)) curve.end = kind == RodCurve::kNestedKnot ? 4 * pi : 2 * pi;
   curve.scale = length / ArcLength(curve).total();
   return curve;
 }
@@ -160,6 +166,20 @@ std::vector<RodSection> rod_sections(RodCurve kind, double length, double radius
   return sections;
 }
 
+double fewest_layers(RodCurve curve) {
+  switch (curve) {
+    case RodCurve::kTrefoil:
+    case RodCurve::kNestedKnot:
+      return 64;
+    case RodCurve::kOverhand:
+      return 160;
+    case RodCurve::kNestedOverhand:
+      return 640;
+    default:
+      return 1;
+  }
+}
+
 std::vector<RodSection> circle_sections(double radius, Index count) {
   std::vector<RodSection> sections(count);
   for (Index i = 0; i < count; ++i) {
@@ -171,7 +191,7 @@ std::vector<RodSection> circle_sections(double radius, Index count) {
 }
 
 double largest_rod_radius(RodCurve kind, double length) {
-  if (!is_closed(kind)) return std::numeric_limits<double>::infinity();
+  if (kind == RodCurve::kStraight || kind == RodCurve::kCoil) return std::numeric_limits<double>::infinity();
   const std::vector<RodSection> samples = rod_sections(kind, length, 0, 1024);
   double reach = length;
   for (const RodSection& at : samples) {

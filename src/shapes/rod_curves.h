@@ -20,6 +20,9 @@ bool is_closed(RodCurve curve);
 /// @param count  number of sections; on a closed curve the first is not repeated
 std::vector<RodSection> rod_sections(RodCurve curve, double length, double radius, Index count);
 
+/// Layers that a rod along the curve needs to keep its form: a knot more than a rod.
+double fewest_layers(RodCurve curve);
+
 /// Sections around a circle of the given radius around z.
 std::vector<RodSection> circle_sections(double radius, Index count);
 

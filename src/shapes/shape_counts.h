@@ -33,6 +33,16 @@ inline ShapeCells tube_cells(double outer_radius, double inner_radius, double le
   return {layers, around, along, 6 * layers * around * along};
 }
 
+/// Layers through a gear, cells around, as many for each tooth, cells along.
+inline ShapeCells gear_cells(double radius, double hole_radius, double length, int teeth, double cell) {
+  const double pitch = 2 * std::numbers::pi * radius / teeth;
+  if (cell > pitch / 5) cell = pitch / 5;
+  const double layers = cell_count(radius - hole_radius, cell, 2), along = cell_count(length, cell);
+  const double around = teeth * cell_count(pitch, cell, 10);
+  return {layers, around, along, 6 * layers * around * along};
+}
+inline constexpr int kMinTeeth = 5, kMaxTeeth = 1000;
+
 /// Rings of the disc, layers of prisms along the sweep.
 inline ShapeCells swept_cells(double length, double radius, double cell, double fewest_layers) {
   const double rings = cell_count(radius, cell);
@@ -41,8 +51,8 @@ inline ShapeCells swept_cells(double length, double radius, double cell, double 
   return {rings, layers, 0, 3 * 6 * rings * rings * layers};
 }
 
-/// A ring needs a few layers to be round, a knot more to keep its form.
-inline constexpr double kMinTorusLayers = 12, kMinKnotLayers = 64;
+/// A ring needs a few layers to be round.
+inline constexpr double kMinTorusLayers = 12;
 
 inline ShapeCells cloth_cells(double width, double height, double cell) {
   const double columns = cell_count(width, cell), rows = cell_count(height, cell);

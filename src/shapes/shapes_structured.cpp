@@ -46,6 +46,19 @@ IndexedMesh mesh_grid(const CellGrid& grid, Place&& place) {
   return mesh;
 }
 
+/// @param cells  layers through the wall, cells around, cells along
+IndexedMesh make_structured_tube(double outer_radius, double inner_radius, double length, const ShapeCells& cells) {
+  check_element_count(cells.elements);
+  const double thickness = outer_radius - inner_radius;
+  const CellGrid grid{{static_cast<Index>(cells.u), static_cast<Index>(cells.v), static_cast<Index>(cells.w)},
+                      {false, true, false}};
+  return mesh_grid(grid, [&](Index i, Index j, Index k) {
+    const double radius = inner_radius + thickness * i / grid.count[0];
+    const double angle = 2 * std::numbers::pi * j / grid.count[1];
+    return Vec3(radius * std::cos(angle), radius * std::sin(angle), length * k / grid.count[2]);
+  });
+}
+
 }  // namespace
 
 IndexedMesh make_box(const Vec3& size, double cell) {
@@ -70,16 +83,27 @@ IndexedMesh make_tube(double outer_radius, double inner_radius, double length, d
     throw Error("inner radius", fmt::format("{} is not smaller than the outer radius {}", inner_radius, outer_radius),
                 "use a smaller inner radius");
   }
-  const double thickness = outer_radius - inner_radius;
-  const auto [layers, around, along, elements] = tube_cells(outer_radius, inner_radius, length, cell);
-  check_element_count(elements);
-  const CellGrid grid{{static_cast<Index>(layers), static_cast<Index>(around), static_cast<Index>(along)},
-                      {false, true, false}};
-  return mesh_grid(grid, [&](Index i, Index j, Index k) {
-    const double radius = inner_radius + thickness * i / grid.count[0];
-    const double angle = 2 * std::numbers::pi * j / grid.count[1];
-    return Vec3(radius * std::cos(angle), radius * std::sin(angle), length * k / grid.count[2]);
-  });
+  return make_structured_tube(outer_radius, inner_radius, length, tube_cells(outer_radius, inner_radius, length, cell));
+}
+
+IndexedMesh make_gear(double radius, double hole_radius, double length, int teeth, double cell) {
+  if (teeth < kMinTeeth || teeth > kMaxTeeth)
+    throw Error("teeth", fmt::format("{} are no gear", teeth), fmt::format("use {} to {}", kMinTeeth, kMaxTeeth));
+  const double module = 2 * radius / (teeth + 2), root = radius - 2.25 * module;
+  if (!(hole_radius < root))
+    throw Error("inner radius", fmt::format("{} leaves nothing below the teeth", hole_radius),
+                fmt::format("use less than {:.3g}", root));
+  IndexedMesh mesh =
+      make_structured_tube(radius, hole_radius, length, gear_cells(radius, hole_radius, length, teeth, cell));
+  for (Vec3& p : mesh.positions) {
+    const double distance = p.head<2>().norm();
+    // Teeth a little narrower than the gaps, so that two gears turn freely.
+    const double wave = std::cos(teeth * std::atan2(p[1], p[0])), profile = wave - 0.15 * (1 - wave * wave);
+    const double rim = 0.5 * (radius + root) + 0.5 * (radius - root) * profile;
+    const double share = (distance - hole_radius) / (radius - hole_radius);
+    p.head<2>() *= (hole_radius + share * (rim - hole_radius)) / distance;
+  }
+  return mesh;
 }
 
 IndexedMesh make_cloth(double width, double height, double cell) {

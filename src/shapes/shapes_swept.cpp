@@ -72,7 +72,7 @@ IndexedMesh make_rod(RodCurve curve, double length, double radius, double cell) 
                 fmt::format("use a radius below {:.3g}", largest_radius));
   }
   const bool closed = is_closed(curve);
-  const ShapeCells cells = swept_cells(length, radius, cell, closed ? kMinKnotLayers : 1);
+  const ShapeCells cells = swept_cells(length, radius, cell, fewest_layers(curve));
   check_element_count(cells.elements);
   const Index sections = static_cast<Index>(cells.v) + (closed ? 0 : 1);
   return sweep_disc(rod_sections(curve, length, radius, sections), radius, static_cast<Index>(cells.u), closed);

@@ -24,7 +24,7 @@ constexpr std::array kRows{
     PaperRow{"flattened_ball", 774e3, 2.81e6, 50, 3}, PaperRow{"twisted_beam", 400e3, 1.9e6, 50, 3},
     PaperRow{"twisted_rods", 281e3, 1.3e6, 50, 3},    PaperRow{"nested_knot", 38.1e3, 103e3, 30, 3},
     PaperRow{"two_balls", 418e3, 1.4e6, 50, 3},       PaperRow{"tangled_noodle", 40e3, 110e3, 20, 3},
-    PaperRow{"tangled_ball", 219e3, 704e3, 50, 3},    PaperRow{"octopi_600", 3.1e6, 8.88e6, 20, 3},
+    PaperRow{"tangled_ball", 219e3, 704e3, 50, 3},    PaperRow{"octopi_16", 3.1e6, 8.88e6, 20, 3},
     PaperRow{"balls_16", 3.5e6, 11.2e6, 50, 3},       PaperRow{"long_noodle", 860e3, 2.29e6, 20, 3},
     PaperRow{"octopi_8_ccd", 40e3, 118e3, 5, 5},      PaperRow{"octopi_8_dcd", 40e3, 118e3, 5, 5},
     PaperRow{"octopi_8_hybrid", 40e3, 118e3, 5, 5},
@@ -36,7 +36,8 @@ fs::path scene_path(const std::string& name) {
 
 std::vector<std::string> scene_names() {
   std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(SELVAGE_SCENES)) names.push_back(entry.path().stem().string());
+  for (const auto& entry : fs::directory_iterator(SELVAGE_SCENES))
+    if (entry.is_regular_file()) names.push_back(entry.path().stem().string());
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -45,8 +46,7 @@ class SceneFiles : public testing::TestWithParam<std::string> {};
 
 TEST_P(SceneFiles, BeginInOrder) {
   const Scene scene = read_scene(scene_path(GetParam()));
-  EXPECT_LT(scene.model.mesh.element_count(), 400'000);  // Sixty frames in minutes on two cores.
-  EXPECT_EQ(scene.frames, 60);
+  EXPECT_LT(scene.model.mesh.element_count(), 400'000);  // All frames in minutes on two cores.
   const BoundaryPathFinder<3> finder(scene.model.mesh, scene.initial_state.positions);
   EXPECT_EQ(finder.defects().inverted_elements, 0);
   const bool tangled = GetParam() == "tangled_noodle";

@@ -29,15 +29,25 @@ std::vector<ShapeCase> structured_shapes() {
   cases.push_back({"box", make_box({1, 2, 0.5}, 0.13), 1, 1e-12, 2, 40, 100});
   cases.push_back({"box of one cell", make_box({1, 1, 1}, 5), 1, 1e-12, 2, 44.99, 90.01});
   cases.push_back({"tube", make_tube(1, 0.6, 2, 0.15), pi * (1 - 0.36) * 2, 0.01, 0, 25, 130});
+  cases.push_back(
+      {"gear", make_gear(1, 0.3, 0.4, 12, 0.08), 0.4 * (pi * (0.839 * 0.839 - 0.09) - 0.03), 0.05, 0, 15, 140});
+  cases.push_back(
+      {"coarse gear", make_gear(1, 0.3, 0.4, 12, 9), 0.4 * (pi * (0.839 * 0.839 - 0.09) - 0.03), 0.1, 0, 7, 160});
   cases.push_back({"torus", make_torus(1, 0.3, 0.1), 2 * pi * pi * 0.09, 0.03, 0, 20, 140});
   cases.push_back({"rod", make_rod(RodCurve::kStraight, 3, 0.2, 0.07), 3 * pi * 0.04, 0.03, 2, 25, 130});
   cases.push_back({"trefoil", make_rod(RodCurve::kTrefoil, 20, 0.2, 0.1), 20 * pi * 0.04, 0.06, 0, 20, 140});
   cases.push_back({"nested knot", make_rod(RodCurve::kNestedKnot, 60, 0.2, 0.1), 60 * pi * 0.04, 0.06, 0, 15, 145});
+  cases.push_back({"overhand", make_rod(RodCurve::kOverhand, 30, 0.3, 0.1), 30 * pi * 0.09, 0.06, 2, 15, 150});
+  cases.push_back(
+      {"nested overhand", make_rod(RodCurve::kNestedOverhand, 100, 0.25, 0.12), 100 * pi * 0.0625, 0.06, 2, 15, 150});
   cases.push_back({"noodle", make_rod(RodCurve::kCoil, 30, 0.1, 0.05), 30 * pi * 0.01, 0.06, 2, 15, 145});
   // As coarse as they get: a hexagon, a ring of twelve cells, and few of them along the coil.
   cases.push_back({"coarse tube", make_tube(0.3, 0.25, 4, 9), pi * 0.0275 * 4, 0.05, 0, 8, 145});
   cases.push_back({"coarse torus", make_torus(1, 0.05, 9), 2 * pi * pi * 0.0025, 0.3, 0, 8, 145});
   cases.push_back({"coarse rod", make_rod(RodCurve::kStraight, 3, 0.2, 9), 3 * pi * 0.04, 0.2, 2, 8, 145});
+  cases.push_back({"coarse overhand", make_rod(RodCurve::kOverhand, 30, 0.25, 9), 30 * pi * 0.0625, 0.2, 2, 8, 150});
+  cases.push_back(
+      {"coarse nested overhand", make_rod(RodCurve::kNestedOverhand, 120, 0.25, 9), 120 * pi * 0.0625, 0.2, 2, 8, 150});
   cases.push_back({"coarse noodle", make_rod(RodCurve::kCoil, 60, 0.1, 9), 60 * pi * 0.01, 0.45, 2, 8, 145});
   return cases;
 }

@@ -27,10 +27,12 @@ IndexedMesh make_torus(double major_radius, double minor_radius, double cell);
 IndexedMesh make_tube(double outer_radius, double inner_radius, double length, double cell);
 
 /// Centre lines for rods: along x; a trefoil knot; a rope that follows a trefoil twice, twining around itself (a knot
-/// nested in a knot); and a long noodle laid as a coil around z.
-enum class RodCurve { kStraight, kTrefoil, kNestedKnot, kCoil };
+/// nested in a knot); a long noodle laid as a coil around z; a rope along x with an overhand knot in its middle, not
+/// yet pulled tight; the same with a smaller overhand knot in the strand that the first will close around.
+enum class RodCurve { kStraight, kTrefoil, kNestedKnot, kCoil, kOverhand, kNestedOverhand };
 
-/// Rod of circular cross-section swept along a curve of the given total length; the knots are closed.
+/// Rod of circular cross-section swept along a curve of the given total length; trefoil and nested knot are closed.
+/// Rods with ends of the same length, radius and cell have the same elements.
 /// @throws Error  also when the radius is so large that the rod would touch itself
 IndexedMesh make_rod(RodCurve curve, double length, double radius, double cell);
 
@@ -44,6 +46,12 @@ IndexedMesh make_squishy_ball(double radius, int tentacles, double cell, unsigne
 /// @throws Error  also when the cell is too coarse for an arm, and for a slenderness outside [1, 4]
 IndexedMesh make_octopus(double size, double cell, unsigned seed, double slenderness = 1);
 
+/// Gear around the z axis from z = 0 to z = length, a tooth on the x axis: `radius` reaches to the tips of its teeth.
+/// Two gears with n and m teeth turn in one another where both have the same module 2 radius / (teeth + 2), and stand
+/// (n + m) / 2 modules apart.
+/// @throws Error  also when the hole reaches the teeth, and for fewer than 5 teeth
+IndexedMesh make_gear(double radius, double hole_radius, double length, int teeth, double cell);
+
 /// Rectangular cloth [0, width] x [0, height] in the xy plane, a triangle surface.
 IndexedMesh make_cloth(double width, double height, double cell);
 
@@ -55,16 +63,17 @@ struct ShapeOptions {
   std::optional<double> cell = {};            ///< edge length of a cell [m]
   std::optional<std::int64_t> elements = {};  ///< instead of `cell`: about this many elements
   std::optional<Vec3> size = {};              ///< box, beam; cloth (x and y) [m]
-  std::optional<double> length = {};          ///< rods and tube [m]
-  std::optional<double> radius = {};          ///< rods, balls, tube (outer), torus (major), octopus (reach) [m]
-  std::optional<double> inner_radius = {};    ///< tube (inner), torus (minor) [m]
-  std::optional<int> tentacles = {};          ///< squishy-ball
-  std::optional<unsigned> seed = {};          ///< squishy-ball, octopus
-  std::optional<double> slenderness = {};     ///< squishy-ball, octopus: thinner arms
+  std::optional<double> length = {};          ///< rods, tube, gear [m]
+  std::optional<double> radius = {};  ///< rods, balls, tube (outer), torus (major), gear (tips), octopus (reach) [m]
+  std::optional<double> inner_radius = {};  ///< tube (inner), torus (minor), gear (hole) [m]
+  std::optional<int> tentacles = {};        ///< squishy-ball
+  std::optional<int> teeth = {};            ///< gear
+  std::optional<unsigned> seed = {};        ///< squishy-ball, octopus
+  std::optional<double> slenderness = {};   ///< squishy-ball, octopus: thinner arms
 };
 
-/// Names that make_shape knows: box, beam, rod, trefoil, nested-knot, noodle, ball, torus, tube, squishy-ball, octopus,
-/// cloth. It also takes sphere for ball.
+/// Names that make_shape knows: box, beam, rod, trefoil, nested-knot, noodle, overhand, nested-overhand, ball, torus,
+/// tube, squishy-ball, octopus, gear, cloth. It also takes sphere for ball.
 std::span<const std::string_view> shape_names();
 
 /// Makes a shape by its name.

@@ -31,18 +31,21 @@ constexpr const char* kMakeExample =
     "  selvage make rod --length 8 --pose self-crossing,crossings=1 -o noodle.t\n"
     "\n"
     "Shapes, with their options and defaults:\n"
-    "  box           --size 1 1 1\n"
-    "  beam          --size 6 0.5 0.5\n"
-    "  rod           --length 6 --radius 0.25\n"
-    "  trefoil       --length 20 --radius 0.25\n"
-    "  nested-knot   --length 60 --radius 0.25\n"
-    "  noodle        --length 60 --radius 0.1\n"
-    "  ball          --radius 1\n"
-    "  torus         --radius 1 --inner-radius 0.3\n"
-    "  tube          --length 4 --radius 0.3 --inner-radius 0.2\n"
-    "  squishy-ball  --radius 1 --tentacles 200 --seed 1 --slenderness 1\n"
-    "  octopus       --radius 1 --seed 1 --slenderness 1\n"
-    "  cloth         --size 2 2\n"
+    "  box              --size 1 1 1\n"
+    "  beam             --size 6 0.5 0.5\n"
+    "  rod              --length 6 --radius 0.25\n"
+    "  trefoil          --length 20 --radius 0.25\n"
+    "  nested-knot      --length 60 --radius 0.25\n"
+    "  noodle           --length 60 --radius 0.1\n"
+    "  overhand         --length 30 --radius 0.25\n"
+    "  nested-overhand  --length 120 --radius 0.25\n"
+    "  ball             --radius 1\n"
+    "  torus            --radius 1 --inner-radius 0.3\n"
+    "  tube             --length 4 --radius 0.3 --inner-radius 0.2\n"
+    "  squishy-ball     --radius 1 --tentacles 200 --seed 1 --slenderness 1\n"
+    "  octopus          --radius 1 --seed 1 --slenderness 1\n"
+    "  gear             --length 0.3 --radius 1 --inner-radius 0.3 --teeth 12\n"
+    "  cloth            --size 2 2\n"
     "\n"
     "Box, beam and cloth have a corner at the origin; rod, tube and noodle begin there; all others surround it.\n"
     "\n"
@@ -120,13 +123,15 @@ void add_measures(CLI::App& app, MakeOptions& options) {
   app.add_option("--size", options.size, "Box, beam: three lengths; cloth: two [m]")
       ->expected(2, 3)
       ->type_name("X Y [Z]");
-  app.add_option("--length", m.length, "Rods, tube [m]")->type_name("D");
-  app.add_option("--radius", m.radius, "Rods, balls, tube (outer), torus (major), octopus (reach) [m]")->type_name("D");
-  app.add_option("--inner-radius", m.inner_radius, "Tube (inner), torus (minor) [m]")->type_name("D");
-  app.add_option("--curve", options.curve, "Rod: the curve it follows: straight, trefoil, nested-knot or coil")
-      ->check(CLI::IsMember({"straight", "trefoil", "nested-knot", "coil"}))
+  app.add_option("--length", m.length, "Rods, tube, gear [m]")->type_name("D");
+  app.add_option("--radius", m.radius, "Rods, balls, tube (outer), torus (major), gear (tips), octopus (reach) [m]")
+      ->type_name("D");
+  app.add_option("--inner-radius", m.inner_radius, "Tube (inner), torus (minor), gear (hole) [m]")->type_name("D");
+  app.add_option("--curve", options.curve, "Rod: the curve it follows: straight, coil, or a knot of the list below")
+      ->check(CLI::IsMember({"straight", "trefoil", "nested-knot", "coil", "overhand", "nested-overhand"}))
       ->type_name("NAME");
   app.add_option("--tentacles", m.tentacles, "Squishy ball: number of tentacles")->type_name("N");
+  app.add_option("--teeth", m.teeth, "Gear: number of teeth")->type_name("N");
   app.add_option("--seed", m.seed, "Octopus, squishy ball: seed of the random shape")->type_name("N");
   app.add_option("--slenderness", m.slenderness,
                  "Octopus, squishy ball: 1 or more; the larger, the thinner and longer the arms")

@@ -7,6 +7,7 @@
 #include "shapes/shape_arguments.h"
 #include "shapes/stuffing/bcc_lattice.h"
 #include "shapes/stuffing/stuffing_stencils.h"
+#include "shapes/stuffing/surface_smoothing.h"
 
 namespace selvage {
 
@@ -51,6 +52,7 @@ class Stuffing {
     IndexedMesh mesh;
     place_vertices(mesh);
     fill_tetrahedra(mesh);
+    if (!mesh.tetrahedra.empty()) smooth_surface(solid_, lattice_, first_vertices_, mesh);
     return mesh;
   }
 
@@ -86,10 +88,11 @@ class Stuffing {
 
   const ImplicitSolid& solid_;
   BccLattice lattice_;
-  std::vector<double> depths_;          ///< of each lattice vertex; 0 once it is on the surface
-  std::vector<std::vector<Cut>> cuts_;  ///< of each block, by owner and direction
-  std::vector<Warped> warped_;          ///< vertices that moved, ascending
-  std::vector<Index> outputs_;          ///< output number of each lattice vertex that the mesh uses
+  std::vector<double> depths_;                ///< of each lattice vertex; 0 once it is on the surface
+  std::vector<std::vector<Cut>> cuts_;        ///< of each block, by owner and direction
+  std::vector<Warped> warped_;                ///< vertices that moved, ascending
+  std::vector<Index> outputs_;                ///< output number of each lattice vertex that the mesh uses
+  std::vector<std::int64_t> first_vertices_;  ///< output numbers of the blocks, and of the end
 };
 
 void Stuffing::evaluate_depths() {
@@ -230,7 +233,8 @@ bool Stuffing::touches_inside(Index v) const {
 
 void Stuffing::place_vertices(IndexedMesh& mesh) {
   outputs_.assign(depths_.size(), kNone);
-  std::vector<std::int64_t> first(lattice_.block_count() + 1, 0);
+  std::vector<std::int64_t>& first = first_vertices_;
+  first.assign(lattice_.block_count() + 1, 0);
   const auto end_of = [&](const Cut& cut) {
     const LatticeVertex owner = lattice_.vertex(cut.owner);
     return lattice_.number(cut.direction < 3 ? owner.moved(cut.direction, 1) : owner.crossed(cut.direction - 3));
