@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr const char* kGrowing = "octopi_600.json";
+constexpr const char* kGrowing = "octopi_16.json";
 constexpr std::int64_t kGrowthFrames = 10;
 constexpr double kLargeMemory = 256 * 1024 * 1024;  ///< more than caches hold [bytes]
 

@@ -13,7 +13,7 @@ using nlohmann::json;
 
 /// Options that keep each shape small.
 std::string small(std::string_view shape) {
-  if (shape == "nested-knot") return "--elements 20000";
+  if (shape == "nested-knot" || shape == "nested-overhand" || shape == "gear") return "--elements 20000";
   if (shape == "octopus" || shape == "squishy-ball") return shape == "octopus" ? "" : "--tentacles 8";
   return "--elements 3000";
 }

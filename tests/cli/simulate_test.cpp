@@ -145,7 +145,8 @@ std::map<std::string, std::string> files_of(const fs::path& folder) {
 
 /// Runs the program and ends it by SIGKILL after some time; false if it was done before.
 bool run_and_kill(const std::string& scene, const std::string& folder, std::chrono::microseconds time) {
-  std::vector<std::string> words{SELVAGE_PROGRAM, "simulate", scene, "-o", folder, "--resume", "--vtu", "--check-every", "3", "--quiet"};
+  std::vector<std::string> words{SELVAGE_PROGRAM, "simulate", scene,           "-o", folder,
+                                 "--resume",      "--vtu",    "--check-every", "3",  "--quiet"};
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);

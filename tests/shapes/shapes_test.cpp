@@ -30,7 +30,7 @@ std::vector<ShapeCase> structured_shapes() {
   cases.push_back({"box of one cell", make_box({1, 1, 1}, 5), 1, 1e-12, 2, 44.99, 90.01});
   cases.push_back({"tube", make_tube(1, 0.6, 2, 0.15), pi * (1 - 0.36) * 2, 0.01, 0, 25, 130});
   cases.push_back(
-      {"gear", make_gear(1, 0.3, 0.4, 12, 0.08), 0.4 * (pi * (0.839 * 0.839 - 0.09) - 0.03), 0.05, 0, 15, 140});
+      {"gear", make_gear(1, 0.3, 0.4, 12, 0.08), 0.4 * (pi * (0.839 * 0.839 - 0.09) - 0.03), 0.05, 0, 7, 160});
   cases.push_back(
       {"coarse gear", make_gear(1, 0.3, 0.4, 12, 9), 0.4 * (pi * (0.839 * 0.839 - 0.09) - 0.03), 0.1, 0, 7, 160});
   cases.push_back({"torus", make_torus(1, 0.3, 0.1), 2 * pi * pi * 0.09, 0.03, 0, 20, 140});

@@ -26,7 +26,7 @@ struct SimulateOptions {
 
 constexpr const char* kSimulateExample =
     "  selvage simulate scenes/octopi_8_hybrid.json -o octopi --vtu\n"
-    "  selvage simulate scenes/octopi_8_hybrid.json -o octopi --resume --frames 120\n"
+    "  selvage simulate scenes/octopi_8_hybrid.json -o octopi --resume --frames 400\n"
     "\n"
     "The folder holds, after each frame:\n"
     "  frames/frame_000012.bin  positions, after a header of 64 bytes:\n"
