@@ -25,6 +25,13 @@ inline Vec3 vertex_gradient(const Eigen::Matrix3d& inverse_edges, std::ptrdiff_t
   return k > 0 ? Vec3(inverse_edges.row(k - 1).transpose()) : Vec3(-inverse_edges.colwise().sum().transpose());
 }
 
+/// The matrix that takes x to a cross x.
+inline Eigen::Matrix3d cross_product_matrix(const Eigen::Vector3d& a) {
+  Eigen::Matrix3d m;
+  m << 0, -a[2], a[1], a[2], 0, -a[0], -a[1], a[0], 0;
+  return m;
+}
+
 /// Cofactors of a deformation gradient: the derivative of its determinant.
 inline Eigen::Matrix3d cofactors_of(const Eigen::Matrix3d& f) {
   Eigen::Matrix3d cofactors;

@@ -1,6 +1,7 @@
 #include "elasticity/neo_hookean.h"
 
 #include "elasticity/deformation_gradient.h"
+#include "elasticity/volume_hessian.h"
 #include "selvage/elasticity/material.h"
 
 namespace selvage {
@@ -17,8 +18,15 @@ double NeoHookean::energy_density(const Eigen::Matrix3d& f) const {
 }
 
 Eigen::Matrix3d NeoHookean::first_piola(const Eigen::Matrix3d& f) const {
-  const double growth = f.determinant() - 1;
-  return mu * f + ((lambda + mu) * growth - mu) * cofactors_of(f);
+  return mu * f + slope(f.determinant() - 1) * cofactors_of(f);
+}
+
+DeformationHessian<3> NeoHookean::hessian(const Eigen::Matrix3d& f) const {
+  return volume_hessian(f, mu, slope(f.determinant() - 1), lambda + mu);
+}
+
+DeformationHessian<3> NeoHookean::positive_hessian(const Eigen::Matrix3d& f) const {
+  return positive_volume_hessian(f, mu, slope(f.determinant() - 1), lambda + mu);
 }
 
 }  // namespace selvage

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include "elasticity/simplex_element.h"
 
 namespace selvage {
 
@@ -13,6 +13,22 @@ struct NeoHookean {
 
   double energy_density(const Eigen::Matrix3d& f) const;
   Eigen::Matrix3d first_piola(const Eigen::Matrix3d& f) const;
+  DeformationHessian<3> hessian(const Eigen::Matrix3d& f) const;
+  /// The nearest that is positive semi-definite: see positive_volume_hessian().
+  DeformationHessian<3> positive_hessian(const Eigen::Matrix3d& f) const;
+  /// Exact: J is linear in one vertex, so that nothing is negative.
+  VertexDerivatives by_vertex(const Eigen::Matrix3d& f, const Eigen::Vector3d& b) const {
+    const Eigen::Matrix3d cofactors = cofactors_of(f);
+    const Eigen::Vector3d c = cofactors * b;
+    const double growth = f.col(0).dot(cofactors.col(0)) - 1;
+    return {mu * f * b + slope(growth) * c,
+            mu * b.squaredNorm() * Eigen::Matrix3d::Identity() + (lambda + mu) * c * c.transpose()};
+  }
+
+ private:
+  double slope(double growth) const { return (lambda + mu) * growth - mu; }
 };
+
+static_assert(VertexMaterial<NeoHookean>);
 
 }  // namespace selvage

@@ -1,7 +1,7 @@
 #include "selvage/untangling/resolve.h"
 
-#include "elasticity/element_energy.h"
 #include "elasticity/neo_hookean.h"
+#include "elasticity/simplex_element.h"
 #include "mesh/find_inverted.h"
 #include "selvage/core/error.h"
 #include "untangling/solids/held_elements.h"
@@ -166,7 +166,8 @@ std::vector<Index> Resolver::find_tangled_elements() const {
 double Resolver::total_energy(std::span<const Vec3> positions) const {
   double energy = 0;
   const NeoHookean material = NeoHookean::of(1, body_->model().bodies[0].material.poisson_ratio);
-  for (const auto& e : mesh_.elements()) energy += element_energy(material, e, rest_, positions);
+  for (const auto& e : mesh_.elements())
+    energy += SimplexElement<3, NeoHookean>{rest_tetrahedron(e, rest_), material}.energy(gather(e, positions));
   return energy;
 }
 

@@ -1,0 +1,61 @@
+#pragma once
+
+#include "elasticity/stencil.h"
+
+namespace selvage {
+
+/// Vertices of two triangles with a common edge: its ends, then the one across in each. The first triangle is (0, 1,
+/// 2), the second (1, 0, 3).
+using HingePositions = StencilPositions<4>;
+
+/// Angle between the two triangles' normals, in (-pi, pi]: 0 where they are flat, positive where they are folded
+/// towards the side to which the normals point. 0 also where a triangle has no area.
+double hinge_angle(const HingePositions& x);
+
+/// Bending over an edge: stiffness/2 (angle - rest_angle)^2, with the difference taken into (-pi, pi]. Where a triangle
+/// has no area there is no force.
+/// Source: Grinspun, Hirani, Desbrun, Schroeder 2003, Discrete shells; derivatives as in Tamstorf and Grinspun 2013.
+struct HingeBending {
+  static constexpr int kVertices = 4;
+
+  double stiffness;   ///< [J]
+  double rest_angle;  ///< [rad]
+
+  /// Of a sheet: the stiffness is 3 sheet_stiffness |e|^2 / A, with e the edge and A the area of both triangles, so
+  /// that small angles cost the same as with QuadraticBending.
+  /// @param rest             as it is at rest, with triangles that have an area
+  /// @param sheet_stiffness  [J]
+  static HingeBending of(const HingePositions& rest, double sheet_stiffness);
+
+  double energy(const HingePositions& x) const;
+  StencilGradient<4> gradient(const HingePositions& x) const;
+  StencilHessian<4> hessian(const HingePositions& x) const;
+  /// Gauss-Newton: without the curvature of the angle itself.
+  StencilHessian<4> positive_hessian(const HingePositions& x) const;
+
+ private:
+  double bent_by(const HingePositions& x) const;
+};
+
+static_assert(StencilEnergy<HingeBending>);
+
+/// Bending of a sheet that is flat at rest and hardly stretched: a quadratic form, so that its Hessian never changes.
+/// Source: Bergou, Wardetzky, Harmon, Zorin, Grinspun 2006, A quadratic bending model for inextensible surfaces.
+struct QuadraticBending {
+  static constexpr int kVertices = 4;
+
+  double stiffness;         ///< [J/m^2]
+  Eigen::Vector4d weights;  ///< of the vertices: their weighed sum is 0 where the sheet is flat [1]
+
+  /// @param rest  as it is at rest: flat, with triangles that have an area
+  static QuadraticBending of(const HingePositions& rest, double sheet_stiffness);
+
+  double energy(const HingePositions& x) const { return stiffness / 2 * (x * weights).squaredNorm(); }
+  StencilGradient<4> gradient(const HingePositions& x) const { return stiffness * (x * weights) * weights.transpose(); }
+  StencilHessian<4> hessian(const HingePositions& x) const;
+  StencilHessian<4> positive_hessian(const HingePositions& x) const { return hessian(x); }
+};
+
+static_assert(StencilEnergy<QuadraticBending>);
+
+}  // namespace selvage
