@@ -36,6 +36,7 @@
 #include "selvage/simulation/crossings.h"
 #include "selvage/simulation/model.h"
 #include "selvage/simulation/motion.h"
+#include "selvage/simulation/newton.h"
 #include "selvage/simulation/step.h"
 #include "selvage/simulation/xpbd.h"
 #include "selvage/surface_distance/surface_distance.h"

@@ -16,7 +16,7 @@ set(rooms_of_cli program arguments reports commands)
 set(rooms_of_core simd)
 set(rooms_of_boundary_path input traversal injectivity location search packets)
 set(rooms_of_self_collision surface culling discrete/continuous)
-set(rooms_of_simulation colliders crossings time_step xpbd)
+set(rooms_of_simulation colliders crossings time_step xpbd implicit newton/vbd)
 set(rooms_of_untangling solids)
 # Floors whose own folder lies below their rooms: a room may include what lies there, and not the reverse.
 set(floors_below_rooms geometry core io shapes simulation)

@@ -1,7 +1,14 @@
 #pragma once
 
+#include "selvage/core/error.h"
 #include "selvage/shapes/shapes.h"
 #include "selvage/simulation/xpbd.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <functional>
+#include <random>
 
 namespace selvage::bodies {
 
@@ -37,6 +44,11 @@ inline Material springs(double edge_compliance = 0, double volume_compliance = 0
   material.kind = MaterialKind::kMassSpring;
   material.edge_compliance = edge_compliance;
   material.volume_compliance = volume_compliance;
+  return material;
+}
+
+inline Material damped(Material material, double damping) {
+  material.damping = damping;
   return material;
 }
 
@@ -104,6 +116,51 @@ inline double worst_stretch(const Model& model, const State& state) {
         worst = std::max(worst, std::abs(now / rest - 1));
       }
   return worst;
+}
+
+/// Positions moved at random, each coordinate by at most `size`.
+inline std::vector<Vec3> jittered(std::span<const Vec3> positions, double size, unsigned seed) {
+  std::mt19937 engine(seed);
+  std::uniform_real_distribution<double> unit(-size, size);
+  std::vector<Vec3> moved(positions.begin(), positions.end());
+  for (Vec3& p : moved)
+    for (int axis = 0; axis < 3; ++axis) p[axis] += unit(engine);
+  return moved;
+}
+
+/// The vertices that a rule chooses, held where they are.
+inline Handle hold(const Model& model, const std::function<bool(const Vec3&)>& where) {
+  Handle handle;
+  for (Index v = 0; v < model.mesh.vertex_count(); ++v)
+    if (where(model.rest_positions[v])) handle.vertices.push_back(v);
+  return handle;
+}
+
+inline bool same_bits(const State& a, const State& b) {
+  const auto same = [](const std::vector<Vec3>& x, const std::vector<Vec3>& y) {
+    return x.size() == y.size() && std::memcmp(x.data(), y.data(), sizeof(Vec3) * x.size()) == 0;
+  };
+  return same(a.positions, b.positions) && same(a.velocities, b.velocities) && a.time == b.time && a.steps == b.steps;
+}
+
+/// Three bodies that fall on one another and on a floor.
+inline Model pile(const Material& material) {
+  const IndexedMesh ball = make_ball(0.1, 0.04);
+  return make(
+      std::vector<IndexedMesh>{moved(ball, {0, 0, 0.12}), moved(make_box({0.3, 0.3, 0.05}, 0.05), {-0.15, -0.15, 0.24}),
+                               moved(ball, {0.02, 0, 0.42})},
+      material);
+}
+
+/// Throws with what() that starts with `where`.
+template <typename Action>
+void expect_error(const std::string& where, Action&& action) {
+  try {
+    action();
+    ADD_FAILURE() << where;
+  } catch (const Error& error) {
+    EXPECT_EQ(std::string(error.what()).substr(0, where.size()), where) << error.what();
+  }
 }
 
 }  // namespace selvage::bodies

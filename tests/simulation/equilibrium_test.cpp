@@ -9,13 +9,6 @@ namespace {
 
 using namespace bodies;
 
-Handle hold(const Model& model, const std::function<bool(const Vec3&)>& where) {
-  Handle handle;
-  for (Index v = 0; v < model.mesh.vertex_count(); ++v)
-    if (where(model.rest_positions[v])) handle.vertices.push_back(v);
-  return handle;
-}
-
 State equilibrium_of(const Model& model, const Handle& handle) {
   State state = make_state(model, model.rest_positions);
   XpbdOptions options = without_contact();

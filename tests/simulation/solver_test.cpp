@@ -1,11 +1,8 @@
-#include "selvage/core/error.h"
 #include "simulation/bodies.h"
 
 #include <tbb/global_control.h>
 
 #include <gtest/gtest.h>
-
-#include <cstring>
 
 namespace selvage {
 namespace {
@@ -48,17 +45,6 @@ TEST(Handles, ReleaseTheirVerticesAtTheirTime) {
   EXPECT_EQ(state.positions, model.rest_positions);
   solver.step(state);
   for (Index v = 0; v < model.mesh.vertex_count(); ++v) EXPECT_LT(state.positions[v][2], model.rest_positions[v][2]);
-}
-
-/// Throws with what() that starts with `where`.
-template <typename Action>
-void expect_error(const std::string& where, Action&& action) {
-  try {
-    action();
-    ADD_FAILURE() << where;
-  } catch (const Error& error) {
-    EXPECT_EQ(std::string(error.what()).substr(0, where.size()), where) << error.what();
-  }
 }
 
 TEST(XpbdSolver, RefusesImpossibleInputAndNamesIt) {
@@ -108,22 +94,6 @@ TEST(XpbdSolver, KeepsTheStateOfBeforeAStepThatFails) {
   solver.step(state);
   XpbdSolver(model, make_state(model, model.rest_positions), {}, {}, {}).step(other);
   EXPECT_EQ(state.positions, other.positions);
-}
-
-bool same_bits(const State& a, const State& b) {
-  const auto same = [](const std::vector<Vec3>& x, const std::vector<Vec3>& y) {
-    return x.size() == y.size() && std::memcmp(x.data(), y.data(), sizeof(Vec3) * x.size()) == 0;
-  };
-  return same(a.positions, b.positions) && same(a.velocities, b.velocities) && a.time == b.time && a.steps == b.steps;
-}
-
-// Three bodies fall on one another and on a floor.
-Model pile(const Material& material) {
-  const IndexedMesh ball = make_ball(0.1, 0.04);
-  return make(
-      std::vector<IndexedMesh>{moved(ball, {0, 0, 0.12}), moved(make_box({0.3, 0.3, 0.05}, 0.05), {-0.15, -0.15, 0.24}),
-                               moved(ball, {0.02, 0, 0.42})},
-      material);
 }
 
 State run_pile(const Model& model, int steps, int restart = -1) {

@@ -27,6 +27,11 @@ struct StepStatistics {
   std::int64_t hold_back_rounds = 0;    ///< in which vertices were held back: ContactOptions::hold_back
   std::int64_t held_back_vertices = 0;  ///< that end the step elsewhere than the solver left them
   std::int64_t impacts_left = 0;        ///< pairs that meet in the end all the same
+  std::int64_t newton_steps = 0;        ///< of the implicit solvers: Newton steps, or sweeps over all vertices
+  std::int64_t linear_iterations = 0;   ///< of conjugate gradients, over all Newton steps
+  /// Of the implicit solvers, before what is left inside is projected: the distance by which the force out of balance
+  /// at a vertex would move it alone in the step, the largest of all [m]. 0: backward Euler is solved exactly.
+  double residual = 0;
   ContactStatistics contact;
   double seconds_material = 0;    ///< [s] of the material solve
   double seconds_hold_back = 0;   ///< [s] of holding back; of this the search for what meets is also in `contact`

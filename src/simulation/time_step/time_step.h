@@ -62,6 +62,7 @@ class TimeStep {
   const Friction& friction_of(const Contact& contact) const;
   /// Begun last. Its positions and velocities are those of contact_vertices().
   const Step& step() const { return step_; }
+  std::span<const PreparedCollider> colliders() const { return colliders_; }
   /// (n_contact_vertices) see max_corrections_of(); infinite for colliders.
   std::span<const double> max_corrections() const { return max_corrections_; }
   /// (n_contact_vertices) sum of the corrections by which contacts sent vertices out of bodies in this step [m]. The

@@ -1,0 +1,81 @@
+#include "simulation/implicit/contact_terms.h"
+
+#include "simulation/colliders/passage.h"
+
+#include <algorithm>
+
+namespace selvage {
+
+namespace {
+
+/// Part of a vertex's largest correction below which sliding in a step is resisted by less than all of friction.
+constexpr double kSlip = 4e-3;
+
+/// Stiffness with which all vertices of a term resist; 0 where all are held.
+double stiffness_of(const OffsetTerm& term, const IncrementalPotential& potential) {
+  double compliance = 0;
+  for (int i = 0; i < term.count; ++i)
+    compliance += term.weights[i] * term.weights[i] / potential.stiffness(term.vertices[i]);
+  return compliance > 0 ? 1 / compliance : 0;
+}
+
+/// A point that is at rest on the surface, as near as friction in a step holds it, sticks; another slips.
+/// @param drift  of the point by the velocities at the start of the step, relative to the surface [m]
+double coefficient_of(const Friction& friction, const OffsetTerm& term, const Vec3& drift) {
+  const double slide = (drift - term.normal.dot(drift) * term.normal).norm();
+  return slide <= 2 * term.slip ? friction.static_coefficient : friction.dynamic_coefficient;
+}
+
+}  // namespace
+
+void append_contact_terms(std::span<const Contact> contacts, const Step& step, std::span<const double> max_corrections,
+                          const Friction& friction, const IncrementalPotential& potential,
+                          std::vector<OffsetTerm>& terms) {
+  for (const Contact& contact : contacts) {
+    OffsetTerm term;
+    term.count = contact.count;
+    term.vertices = contact.vertices;
+    term.weights = contact.weights;
+    term.normal = contact.normal;
+    term.stiffness = kContactStiffness * stiffness_of(term, potential);
+    if (!(term.stiffness > 0)) continue;
+    double most = max_corrections[contact.vertices[0]];
+    for (int i = 1; i < contact.count; ++i) most = std::min(most, max_corrections[contact.vertices[i]]);
+    term.start = offset_of(contact, step.positions);
+    const double gap = term.normal.dot(term.start);
+    const bool by_ccd = contact.kind == ContactKind::kVertexFace || contact.kind == ContactKind::kEdgeEdge;
+    term.target = by_ccd ? std::clamp(gap, 0.0, kContactGap * most) : std::min(gap + most, 0.0);
+    term.slip = kSlip * most;
+    term.coefficient = coefficient_of(friction, term, step.length() * offset_of(contact, step.velocities));
+    terms.push_back(term);
+  }
+}
+
+void append_collider_terms(std::span<const PreparedCollider> colliders, const Step& step,
+                           std::span<const double> max_corrections, std::span<const Vec3> x,
+                           const IncrementalPotential& potential, std::vector<OffsetTerm>& terms) {
+  for (const PreparedCollider& collider : colliders) {
+    const RigidTransform start = collider.motion.at(step.start_time), end = collider.motion.at(step.end_time);
+    for (Index v = 0; v < potential.vertex_count(); ++v) {
+      if (!potential.is_free(v)) continue;
+      const Vec3 was = start.invert(step.positions[v]), p = end.invert(x[v]);
+      const auto hit = std::visit([&](const auto& shape) { return find_hit_on_way(shape, was, p); }, collider.shape);
+      if (!hit) continue;
+      OffsetTerm term;
+      term.count = 1;
+      term.vertices[0] = v;
+      term.weights[0] = 1;
+      term.origin = end(p + hit->depth * hit->normal);
+      term.normal = end.rotation * hit->normal;
+      term.start = end(was) - term.origin;
+      term.target = std::min(term.normal.dot(term.start), 0.0);
+      term.stiffness = kContactStiffness * potential.stiffness(v);
+      term.slip = kSlip * max_corrections[v];
+      term.coefficient =
+          coefficient_of(collider.friction, term, step.positions[v] + step.length() * step.velocities[v] - end(was));
+      terms.push_back(term);
+    }
+  }
+}
+
+}  // namespace selvage

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "simulation/colliders/prepared_collider.h"
+#include "simulation/implicit/incremental_potential.h"
+
+namespace selvage {
+
+/// Contacts and colliders of a step as energies (SPB, equation 7): stiffness/2 times the squared depth along the way
+/// out, none in front of the target, and friction that is smooth near rest. The stiffness is kContactStiffness times
+/// that with which the vertices together resist: light beside heavy and soft beside stiff, a contact gives way by a
+/// part of what its elements do.
+
+/// Stiffness of a contact, as a multiple of that of its vertices.
+inline constexpr double kContactStiffness = 20;
+
+/// Bodies with one another and with themselves. By CCD a point is kept as far in front of the surface as it was, up to
+/// kContactGap; by DCD it is sent out by its largest correction at most.
+/// @param max_corrections  (n_vertices) see max_corrections_of() [m]
+void append_contact_terms(std::span<const Contact> contacts, const Step& step, std::span<const double> max_corrections,
+                          const Friction& friction, const IncrementalPotential& potential,
+                          std::vector<OffsetTerm>& terms);
+
+/// Vertices that are inside colliders at x, each kept in front of the plane of its way out. One that starts the step
+/// inside is kept from going deeper: TimeStep::project_colliders() takes it out, without speed.
+void append_collider_terms(std::span<const PreparedCollider> colliders, const Step& step,
+                           std::span<const double> max_corrections, std::span<const Vec3> x,
+                           const IncrementalPotential& potential, std::vector<OffsetTerm>& terms);
+
+}  // namespace selvage
