@@ -38,6 +38,7 @@
 #include "selvage/simulation/motion.h"
 #include "selvage/simulation/newton.h"
 #include "selvage/simulation/step.h"
+#include "selvage/simulation/vbd.h"
 #include "selvage/simulation/xpbd.h"
 #include "selvage/surface_distance/surface_distance.h"
 #include "selvage/untangling/resolve.h"

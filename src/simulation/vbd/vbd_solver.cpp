@@ -1,0 +1,89 @@
+#include "core/parallel.h"
+#include "core/timed.h"
+#include "selvage/simulation/vbd.h"
+#include "simulation/implicit/implicit_step.h"
+#include "simulation/time_step/check_input.h"
+#include "simulation/vbd/vertex_colours.h"
+
+#include <Eigen/Cholesky>
+
+namespace selvage {
+
+namespace {
+
+constexpr std::int64_t kSweepGrain = 64;
+
+}  // namespace
+
+struct VbdSolver::Parts {
+  VbdOptions options;
+  ImplicitStep implicit;
+  VertexColours colours;
+  std::vector<Vec3> moved;  ///< of the vertices of a colour
+
+  Parts(const Model& model, const State& initial, std::vector<Handle> handles, std::span<const Collider> colliders,
+        const VbdOptions& o)
+      : options(o),
+        implicit(model, initial, std::move(handles), colliders, options),
+        colours(colour_vertices(model.mesh)) {
+    check_option(options.iterations > 0, "iterations", options.iterations, "of at least 1");
+    check_option(options.residual >= 0, "residual", options.residual, "that is not negative");
+    moved.resize(colours.vertices.size());
+  }
+
+  /// Results go to a buffer first: contacts between vertices of one colour see where these were.
+  void sweep(const IncrementalPotential& potential, std::vector<Vec3>& x) {
+    for (Index c = 0; c < colours.colour_count(); ++c) {
+      const Index first = colours.first[c], count = colours.first[c + 1] - first;
+      parallel_for(count, kSweepGrain, [&](std::int64_t i) {
+        const Index v = colours.vertices[first + i];
+        moved[first + i] = x[v];
+        if (!potential.is_free(v)) return;
+        const VertexDerivatives own = potential.by_vertex(x, v);
+        const Eigen::Vector3d step = own.hessian.llt().solve(own.gradient);
+        if (step.allFinite()) moved[first + i] -= step;
+      });
+      parallel_for(count, 16 * kSweepGrain, [&](std::int64_t i) { x[colours.vertices[first + i]] = moved[first + i]; });
+    }
+  }
+
+  void minimize(IncrementalPotential& potential, bool is_guess, std::vector<Vec3>& x) {
+    StepStatistics& statistics = implicit.statistics();
+    for (int iteration = 0; iteration < options.iterations; ++iteration) {
+      potential.renew_friction(x, is_guess && iteration == 0);
+      sweep(potential, x);
+      ++statistics.newton_steps;
+      if (options.residual > 0 && residual_of(potential, x) <= options.residual) break;
+    }
+    statistics.residual = residual_of(potential, x);
+  }
+
+  void step(State& state, std::span<const Vec3> external_forces) {
+    implicit.step(state, external_forces, [&](IncrementalPotential& potential, bool is_guess, std::vector<Vec3>& x) {
+      minimize(potential, is_guess, x);
+    });
+  }
+};
+
+VbdSolver::VbdSolver(const Model& model, const State& initial, std::vector<Handle> handles,
+                     std::vector<Collider> colliders, const VbdOptions& options)
+    : parts_(std::make_unique<Parts>(model, initial, std::move(handles), colliders, options)) {}
+VbdSolver::~VbdSolver() = default;
+VbdSolver::VbdSolver(VbdSolver&&) noexcept = default;
+VbdSolver& VbdSolver::operator=(VbdSolver&&) noexcept = default;
+
+void VbdSolver::step(State& state, std::span<const Vec3> external_forces) {
+  double seconds = 0;
+  timed(seconds, [&] { parts_->step(state, external_forces); });
+  parts_->implicit.statistics().seconds = seconds;
+}
+
+std::span<const Contact> VbdSolver::contacts() const {
+  return parts_->implicit.time_step().contacts();
+}
+
+const StepStatistics& VbdSolver::statistics() const {
+  return parts_->implicit.time_step().statistics();
+}
+
+}  // namespace selvage
