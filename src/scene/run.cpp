@@ -4,12 +4,14 @@
 #include "scene/fingerprint.h"
 #include "scene/frame_measures.h"
 #include "scene/run_folder.h"
+#include "scene/scene_solver.h"
 #include "selvage/core/error.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 namespace selvage {
@@ -72,6 +74,9 @@ void add_step(const StepStatistics& step, FrameStatistics& row) {
   row.constraints += step.constraints;
   row.held_back_vertices += step.held_back_vertices;
   row.impacts_left += step.impacts_left;
+  row.newton_steps += step.newton_steps;
+  row.linear_iterations += step.linear_iterations;
+  row.residual = std::max(row.residual, step.residual);
   row.seconds_material += step.seconds_material;
   row.seconds_projection += step.seconds_projection;
   row.seconds_dcd += contact.seconds_refit + contact.seconds_split + contact.seconds_dcd;
@@ -101,7 +106,7 @@ class SceneSimulation {
 
   /// Takes the state to the end of the frame.
   FrameStatistics run_frame(State& state, std::int64_t frame) {
-    XpbdSolver& solver = solver_of(frame);
+    SceneSolver& solver = solver_of(frame);
     FrameStatistics row;
     timed(row.seconds_frame, [&] {
       for (int step = 0; step < scene_.substeps; ++step) {
@@ -118,13 +123,11 @@ class SceneSimulation {
   Index find_inverted_held_element(const State& state) const { return held_.find_inverted(state); }
 
  private:
-  XpbdSolver& solver_of(std::int64_t frame) {
+  SceneSolver& solver_of(std::int64_t frame) {
     const bool contact = frame > scene_.contact_from_frame;
     if (!solver_ || contact != with_contact_) {
-      XpbdOptions options = scene_.options;
-      if (!contact) options.contact.mode = DetectionMode::kOff;
       solver_.reset();
-      solver_.emplace(scene_.model, scene_.initial_state, scene_.handles, scene_.colliders, options);
+      solver_ = std::make_unique<SceneSolver>(scene_, contact);
       with_contact_ = contact;
     }
     return *solver_;
@@ -134,7 +137,7 @@ class SceneSimulation {
   const RunOptions& options_;
   FrameMeasures measures_;
   HeldElements held_;
-  std::optional<XpbdSolver> solver_;
+  std::unique_ptr<SceneSolver> solver_;
   bool with_contact_ = false;
 };
 

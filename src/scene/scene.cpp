@@ -189,7 +189,10 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& path, std:
     if (v.norm() > description.options.max_speed) v *= description.options.max_speed / v.norm();
   scene.handles = std::move(all.handles);
   for (const ColliderDescription& collider : description.colliders) scene.colliders.push_back(build_collider(collider));
+  scene.solver = description.solver;
   scene.options = description.options;
+  scene.newton = description.newton;
+  scene.vbd_residual = description.vbd_residual;
   scene.frames = description.frames;
   scene.frames_per_second = description.frames_per_second;
   scene.substeps = description.substeps;

@@ -5,7 +5,6 @@
 #include "selvage/shapes/poses.h"
 #include "selvage/shapes/shapes.h"
 #include "selvage/simulation/model.h"
-#include "selvage/simulation/xpbd.h"
 
 #include <filesystem>
 
@@ -80,7 +79,10 @@ struct ColliderDescription {
 struct SceneDescription {
   int frames = 60, frames_per_second = 60, substeps = 5;
   std::int64_t contact_from_frame = 0;
+  SolverKind solver = SolverKind::kXpbd;
   XpbdOptions options;
+  NewtonOptions newton;
+  double vbd_residual = 0;
   std::vector<BodyDescription> bodies;
   std::vector<ColliderDescription> colliders;
   bool allow_start_outside = false;  ///< see check_start()

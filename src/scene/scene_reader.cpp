@@ -91,6 +91,43 @@ BodyDescription read_body(const JsonValue& value, std::size_t number, const std:
   return body;
 }
 
+constexpr std::array<std::string_view, 3> kSolvers{"xpbd", "newton", "vbd"};
+
+/// @param solver  whose values stand under `key`
+std::optional<JsonValue> find_of_solver(JsonObject& object, std::string_view key, SolverKind solver,
+                                        const SceneDescription& scene) {
+  const auto value = object.find(key);
+  if (value && scene.solver != solver)
+    value->fail(fmt::format("is not for the solver {}", kSolvers[static_cast<std::size_t>(scene.solver)]),
+                fmt::format("leave it out, or set \"solver\": \"{}\"", kSolvers[static_cast<std::size_t>(solver)]));
+  return value;
+}
+
+void read_minimiser(JsonObject& object, SceneDescription& scene) {
+  if (const auto v = object.find("solver")) scene.solver = static_cast<SolverKind>(v->choice(kSolvers));
+  if (const auto v = find_of_solver(object, "newton", SolverKind::kNewton, scene)) {
+    constexpr std::array<std::string_view, 3> kLinear{"by-size", "conjugate-gradients", "direct"};
+    JsonObject newton(*v);
+    if (const auto w = newton.find("steps")) scene.newton.newton_steps = static_cast<int>(w->integer(1, 10'000));
+    if (const auto w = newton.find("tolerance")) scene.newton.tolerance = w->number(kNotNegative);
+    if (const auto w = newton.find("linear_solver"))
+      scene.newton.linear_solver = static_cast<LinearSolver>(w->choice(kLinear));
+    newton.refuse_others();
+  }
+  if (const auto v = find_of_solver(object, "residual", SolverKind::kVbd, scene))
+    scene.vbd_residual = v->number(kNotNegative);
+}
+
+/// The implicit solvers need some compliance.
+void refuse_rigid_springs(const SceneDescription& scene) {
+  if (scene.solver == SolverKind::kXpbd) return;
+  for (const BodyDescription& body : scene.bodies)
+    if (body.material.kind == MaterialKind::kMassSpring &&
+        !(body.material.edge_compliance > 0 && body.material.volume_compliance > 0))
+      throw Error(body.where, "has a material of rigid springs, or of rigid volume",
+                  "give edge_compliance and volume_compliance above 0, or use the solver xpbd");
+}
+
 void read_solver(JsonObject& object, SceneDescription& scene) {
   scene.frames = 60;
   if (const auto v = object.find("frames")) scene.frames = static_cast<int>(v->integer(0, 1'000'000));
@@ -98,6 +135,8 @@ void read_solver(JsonObject& object, SceneDescription& scene) {
     scene.frames_per_second = static_cast<int>(v->integer(1, 100'000));
   if (const auto v = object.find("substeps")) scene.substeps = static_cast<int>(v->integer(1, 100'000));
   scene.options.time_step = 1.0 / (static_cast<double>(scene.frames_per_second) * scene.substeps);
+  read_minimiser(object, scene);
+  if (scene.solver == SolverKind::kVbd) scene.options.iterations = VbdOptions().iterations;
   if (const auto v = object.find("iterations")) scene.options.iterations = static_cast<int>(v->integer(1, 10'000));
   if (const auto v = object.find("gravity")) scene.options.gravity = v->vector();
   if (const auto v = object.find("damping")) scene.options.velocity_damping = v->number(kNotNegative);
@@ -233,6 +272,7 @@ SceneDescription describe_scene(std::string_view text, const std::filesystem::pa
   if (const auto v = object.find("colliders"))
     for (const JsonValue& item : v->items()) scene.colliders.push_back(read_collider(item, file.parent_path()));
   object.refuse_others();
+  refuse_rigid_springs(scene);
   scene.canonical = canonical_text(document);
   return scene;
 }

@@ -36,6 +36,11 @@ struct Totals {
   double material = 0, detect = 0, paths = 0, continuous = 0, steps = 0, frames = 0, longest = 0;
 };
 
+const char* name_of(SolverKind solver) {
+  if (solver == SolverKind::kXpbd) return "xpbd";
+  return solver == SolverKind::kNewton ? "newton" : "vbd";
+}
+
 double ratio(double part, double whole) {
   return whole > 0 ? part / whole : 0;
 }
@@ -134,6 +139,7 @@ std::string summarize_run(const Scene& scene, const RunReport& report) {
   json["frames_per_second"] = scene.frames_per_second;
   json["steps"] = last.steps;
   json["time_step"] = scene.options.time_step;
+  json["solver"] = name_of(scene.solver);
   json["iterations"] = scene.options.iterations;
   json["average_per_step"] = averages_per_step(totals, static_cast<double>(last.steps));
   json["average_per_path"] = averages_per_path(totals);

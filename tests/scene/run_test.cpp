@@ -159,6 +159,32 @@ TEST(Run, EndsWithTheSameFilesWhereverItWasInterrupted) {
   }
 }
 
+TEST(Run, EndsWithTheSameFilesWithEachSolverWhereverItWasInterrupted) {
+  for (const std::string changes : {R"(,"solver": "newton", "newton": {"steps": 3})", R"(,"solver": "vbd")"}) {
+    const Scene scene = scene_of(falling_blocks(changes));
+    const TemporaryFolder whole, parts;
+    const RunReport report = run_scene(scene, to(whole.path()));
+    EXPECT_EQ(report.outcome, RunOutcome::kFinished) << report.message;
+    std::int64_t steps = 0, contacts = 0;
+    for (const FrameStatistics& row : report.frames) {
+      steps += row.newton_steps;
+      contacts += row.vertex_faces + row.edge_edges;
+      EXPECT_EQ(row.constraints, 0);
+      EXPECT_EQ(row.penetrating_vertices, 0);
+    }
+    EXPECT_GE(steps, 18);
+    EXPECT_GT(contacts, 0);
+    EXPECT_GT(report.frames.back().residual, 0);
+    for (const std::int64_t frames : {2, 3, 6}) {
+      RunOptions options = to(parts.path());
+      options.frames = frames;
+      options.resume = true;
+      run_scene(scene, options);
+    }
+    EXPECT_EQ(differences(files_of(whole.path()), files_of(parts.path())), std::vector<std::string>());
+  }
+}
+
 TEST(Run, RemovesOnlyItsOwnFiles) {
   const Scene scene = scene_of(falling_blocks());
   const TemporaryFolder folder;

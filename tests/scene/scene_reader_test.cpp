@@ -135,6 +135,9 @@ TEST(SceneReader, NamesThePlaceOfEachErrorAndTheAllowedValues) {
       {"/gravity", "[0, \"down\", 0]", {"gravity[1]", "no number"}},
       {"/damping", "-0.1", {"damping", "from 0"}},
       {"/max_speed", "0", {"max_speed", "above 0"}},
+      {"/solver", "\"fem\"", {"solver", "xpbd, newton, vbd"}},
+      {"/newton", "{}", {"newton", "is not for the solver xpbd", "\"solver\": \"newton\""}},
+      {"/residual", "1e-6", {"residual", "is not for the solver xpbd"}},
       {"/start_outside", "\"no\"", {"start_outside", "refuse, allow"}},
       {"/description", "3", {"description", "no text"}},
       {"/colour", "1", {"colour", "not known", "did you mean"}},
@@ -196,6 +199,30 @@ TEST(SceneReader, NamesThePlaceOfEachErrorAndTheAllowedValues) {
     for (const std::string& word : wrong.words)
       EXPECT_NE(message.find(word), std::string::npos) << wrong.place << "\nsays: " << message << "\nwithout: " << word;
   }
+}
+
+TEST(SceneReader, KnowsEachSolverAndItsValues) {
+  EXPECT_EQ(describe_scene(kWhole, kFile, "").solver, SolverKind::kXpbd);
+  Json json = Json::parse(kWhole);
+  json["solver"] = "newton";
+  json["newton"] = Json::parse(R"({"steps": 1, "tolerance": 0.5, "linear_solver": "direct"})");
+  const SceneDescription newton = describe_scene(json.dump(), kFile, "");
+  EXPECT_EQ(newton.solver, SolverKind::kNewton);
+  EXPECT_EQ(newton.newton.newton_steps, 1);
+  EXPECT_EQ(newton.newton.tolerance, 0.5);
+  EXPECT_EQ(newton.newton.linear_solver, LinearSolver::kDirect);
+  json.erase("newton");
+  json.erase("iterations");
+  json["solver"] = "vbd";
+  json["residual"] = 1e-6;
+  const SceneDescription vbd = describe_scene(json.dump(), kFile, "");
+  EXPECT_EQ(vbd.solver, SolverKind::kVbd);
+  EXPECT_EQ(vbd.vbd_residual, 1e-6);
+  EXPECT_EQ(vbd.options.iterations, VbdOptions().iterations);
+  json["bodies"][0]["material"] = Json::parse(R"({"kind": "mass-spring"})");
+  EXPECT_NE(refusal(json.dump()).find("bodies[0]: has a material of rigid springs"), std::string::npos);
+  json["solver"] = "newton";
+  EXPECT_NE(refusal(json.dump()).find("residual: is not for the solver newton"), std::string::npos);
 }
 
 TEST(SceneReader, NamesWrongScales) {

@@ -1,12 +1,14 @@
 // The scenes at a small size, for as many frames as it takes until what they show has happened.
 #include "io/whole_file.h"
 #include "scene/json_value.h"
+#include "scene/scene_solver.h"
 #include "selvage/boundary_path/boundary_path.h"
 #include "selvage/scene/run.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 #include <set>
 
 namespace selvage {
@@ -34,9 +36,7 @@ class Play {
       const std::int64_t frame = state_.steps / scene_.substeps + 1;
       const bool contact = frame > scene_.contact_from_frame;
       if (!solver_ || contact != with_contact_) {
-        XpbdOptions options = scene_.options;
-        if (!contact) options.contact.mode = DetectionMode::kOff;
-        solver_.emplace(scene_.model, scene_.initial_state, scene_.handles, scene_.colliders, options);
+        solver_ = std::make_unique<SceneSolver>(scene_, contact);
         with_contact_ = contact;
       }
       solver_->step(state_);
@@ -66,7 +66,7 @@ class Play {
  private:
   Scene scene_;
   State state_;
-  std::optional<XpbdSolver> solver_;
+  std::unique_ptr<SceneSolver> solver_;
   bool with_contact_ = false;
   std::int64_t contacts_ = 0;
 };
@@ -221,6 +221,15 @@ INSTANTIATE_TEST_SUITE_P(
                    50,
                    10'000,
                    20,
+                   1e-3},
+        SmallScene{"octopi_6_implicit",
+                   {{"/bodies/0/mesh", R"({"shape": "ball", "radius": 0.6, "cell": 0.2})"},
+                    {"/bodies/0/translate", "[0, 0, 0.7]"},
+                    {"/bodies/0/instances/grid/counts", "[1, 1, 2]"},
+                    {"/bodies/0/instances/grid/spacing", "[4.1, 4.1, 1.3]"}},
+                   30,
+                   1'000,
+                   0,
                    1e-3},
         SmallScene{"octopi_8_hybrid", kTwoOctopi, 60, 40'000, 20, 1e-3},
         SmallScene{"octopi_8_dcd", kTwoOctopi, 60, 40'000, 20, 2e-3}),

@@ -21,6 +21,9 @@ struct FrameStatistics {
   std::int64_t held_back_vertices = 0;               ///< see StepStatistics, over all steps
   std::int64_t impacts_left = 0;                     ///< likewise
   std::int64_t constraints = 0;                      ///< of the material, over all iterations
+  std::int64_t newton_steps = 0;                     ///< of the implicit solvers: see StepStatistics
+  std::int64_t linear_iterations = 0;                ///< likewise
+  double residual = 0;                               ///< likewise, the largest of all steps [m]
 
   // At the end of the frame.
   std::int64_t penetrating_vertices = 0;  ///< boundary vertices inside an element that is not theirs

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "selvage/simulation/newton.h"
+#include "selvage/simulation/vbd.h"
 #include "selvage/simulation/xpbd.h"
 
 #include <filesystem>
@@ -7,6 +9,9 @@
 #include <string_view>
 
 namespace selvage {
+
+/// The solver of a scene.
+enum class SolverKind : std::uint8_t { kXpbd, kNewton, kVbd };
 
 /// A scene ready to run: the contents of its file, with all meshes read or made.
 struct Scene {
@@ -16,7 +21,10 @@ struct Scene {
   State initial_state;
   std::vector<Handle> handles;
   std::vector<Collider> colliders;
-  XpbdOptions options;
+  SolverKind solver = SolverKind::kXpbd;
+  XpbdOptions options;         ///< those of a step hold for all solvers, iterations for xpbd and vbd
+  NewtonOptions newton;        ///< but for those of a step
+  double vbd_residual = 0;     ///< see VbdOptions
   int frames = 60;             ///< to run, if nothing else is asked for
   int frames_per_second = 60;  ///< each of `substeps` steps
   int substeps = 5;

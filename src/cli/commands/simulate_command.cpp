@@ -160,6 +160,20 @@ void add_crossings(const Scene& scene, const Crossings& crossings, Table& table)
   if (all.points > 0) table.add("colliders in bodies", inside(all.points, all.deepest_point));
 }
 
+/// How the steps were solved; of the implicit solvers with what is left.
+std::string solver_text(const Scene& scene, const RunReport& report) {
+  if (scene.solver == SolverKind::kXpbd) return fmt::format("{} iterations each", scene.options.iterations);
+  std::int64_t count = 0;
+  double residual = 0;
+  for (const FrameStatistics& row : report.frames) {
+    count += row.newton_steps;
+    residual = std::max(residual, row.residual);
+  }
+  const auto steps = static_cast<double>(std::max<std::int64_t>(report.frames.back().steps, 1));
+  return fmt::format("{:.3g} {} each, largest residual {:.3g} m", static_cast<double>(count) / steps,
+                     scene.solver == SolverKind::kNewton ? "Newton steps" : "sweeps", residual);
+}
+
 void print_summary(const SimulateOptions& options, const Scene& scene, const RunReport& report, double seconds) {
   const FrameStatistics& last = report.frames.back();
   const std::int64_t run = last.frame - report.first_frame;
@@ -171,8 +185,8 @@ void print_summary(const SimulateOptions& options, const Scene& scene, const Run
   table.add("frames", report.first_frame > 0
                           ? fmt::format("{}, {} of them now, continued from {}", last.frame, run, report.first_frame)
                           : fmt::format("{}", last.frame));
-  table.add("steps", fmt::format("{} of {:.3g} s, {} iterations each", grouped(last.steps), scene.options.time_step,
-                                 scene.options.iterations));
+  table.add("steps", fmt::format("{} of {:.3g} s, {}", grouped(last.steps), scene.options.time_step,
+                                 solver_text(scene, report)));
   add_crossings(scene, report.crossings, table);
   table.add("inverted elements", grouped(last.inverted_elements));
   if (last.flat_elements > 0) table.add("flat elements", grouped(last.flat_elements));

@@ -1,0 +1,47 @@
+#pragma once
+
+#include "selvage/scene/scene.h"
+
+#include <variant>
+
+namespace selvage {
+
+/// The solver that a scene asks for.
+class SceneSolver {
+ public:
+  /// @param scene         must outlive this
+  /// @param with_contact  false: bodies pass through one another
+  SceneSolver(const Scene& scene, bool with_contact) : solver_(make(scene, with_contact)) {}
+
+  void step(State& state) {
+    std::visit([&](auto& solver) { solver.step(state); }, solver_);
+  }
+  const StepStatistics& statistics() const {
+    return std::visit([](const auto& solver) -> const StepStatistics& { return solver.statistics(); }, solver_);
+  }
+
+ private:
+  using Solver = std::variant<XpbdSolver, NewtonSolver, VbdSolver>;
+
+  static Solver make(const Scene& scene, bool with_contact) {
+    StepOptions shared = scene.options;
+    if (!with_contact) shared.contact.mode = DetectionMode::kOff;
+    const auto make_with = [&]<typename Made, typename Options>(Options options) {
+      static_cast<StepOptions&>(options) = shared;
+      return Solver(std::in_place_type<Made>, scene.model, scene.initial_state, scene.handles, scene.colliders,
+                    options);
+    };
+    switch (scene.solver) {
+      case SolverKind::kNewton:
+        return make_with.template operator()<NewtonSolver>(scene.newton);
+      case SolverKind::kVbd:
+        return make_with.template operator()<VbdSolver>(VbdOptions{{}, scene.options.iterations, scene.vbd_residual});
+      default:
+        return make_with.template operator()<XpbdSolver>(scene.options);
+    }
+  }
+
+  Solver solver_;
+};
+
+}  // namespace selvage
