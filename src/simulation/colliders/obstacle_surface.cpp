@@ -67,12 +67,6 @@ class Builder {
   ObstacleSurface surface_;
 };
 
-/// Two directions across an axis: with it they are right-handed.
-std::array<Vec3, 2> across(const Vec3& axis) {
-  const Vec3 u = axis.unitOrthogonal();
-  return {u, axis.cross(u)};
-}
-
 /// The edge of the rim, with strips of the flat around it and of the wall below.
 void Builder::add_shape(const Bowl& bowl) {
   const auto [u, v] = across(bowl.axis);

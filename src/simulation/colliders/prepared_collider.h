@@ -16,6 +16,12 @@ struct PreparedCollider {
   Friction friction;
 };
 
+/// Two unit vectors across an axis: with it they are right-handed.
+inline std::array<Vec3, 2> across(const Vec3& axis) {
+  const Vec3 u = axis.unitOrthogonal();
+  return {u, axis.cross(u)};
+}
+
 /// The shortest way out of a shape in the collider's own coordinates; nothing for a point outside. Inline, since it is
 /// called for every vertex, of which few are inside.
 inline std::optional<Hit> find_hit(const PlaneShape& plane, const Vec3& p) {

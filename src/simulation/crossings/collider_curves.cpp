@@ -16,14 +16,6 @@ using std::numbers::pi;
 /// four spacings an edge, 1/50 of h at this radius.
 constexpr double kMaxRoundness = 25;
 
-/// Two unit vectors across a third.
-std::array<Vec3, 2> across(const Vec3& axis) {
-  int smallest = 0;
-  axis.cwiseAbs().minCoeff(&smallest);
-  const Vec3 u = axis.cross(Vec3::Unit(smallest)).normalized();
-  return {u, axis.cross(u)};
-}
-
 ColliderCurve ring(const Vec3& centre, const Vec3& axis, double radius) {
   const auto [u, v] = across(axis);
   return {centre, radius * u, radius * v, 0, 2 * pi, true};

@@ -28,25 +28,32 @@ double coefficient_of(const Friction& friction, const OffsetTerm& term, const Ve
 
 }  // namespace
 
-void append_contact_terms(std::span<const Contact> contacts, const Step& step, std::span<const double> max_corrections,
-                          const Friction& friction, const IncrementalPotential& potential,
-                          std::vector<OffsetTerm>& terms) {
-  for (const Contact& contact : contacts) {
+void append_contact_terms(TimeStep& time_step, const IncrementalPotential& potential, std::vector<OffsetTerm>& terms) {
+  const Step& step = time_step.step();
+  const auto max_corrections = time_step.max_corrections();
+  for (const Contact& contact : time_step.contacts()) {
     OffsetTerm term;
-    term.count = contact.count;
-    term.vertices = contact.vertices;
-    term.weights = contact.weights;
+    double most = max_corrections[contact.vertices[0]];
+    for (int i = 0; i < contact.count; ++i) {
+      const Index v = contact.vertices[i];
+      most = std::min(most, max_corrections[v]);
+      if (v < potential.vertex_count()) {
+        term.vertices[term.count] = v;
+        term.weights[term.count++] = contact.weights[i];
+      } else {
+        term.origin -= contact.weights[i] * position(time_step.contact_vertices()[v]);
+      }
+    }
     term.normal = contact.normal;
     term.stiffness = kContactStiffness * stiffness_of(term, potential);
     if (!(term.stiffness > 0)) continue;
-    double most = max_corrections[contact.vertices[0]];
-    for (int i = 1; i < contact.count; ++i) most = std::min(most, max_corrections[contact.vertices[i]]);
     term.start = offset_of(contact, step.positions);
     const double gap = term.normal.dot(term.start);
     const bool by_ccd = contact.kind == ContactKind::kVertexFace || contact.kind == ContactKind::kEdgeEdge;
     term.target = by_ccd ? std::clamp(gap, 0.0, kContactGap * most) : std::min(gap + most, 0.0);
     term.slip = kSlip * most;
-    term.coefficient = coefficient_of(friction, term, step.length() * offset_of(contact, step.velocities));
+    term.coefficient =
+        coefficient_of(time_step.friction_of(contact), term, step.length() * offset_of(contact, step.velocities));
     terms.push_back(term);
   }
 }

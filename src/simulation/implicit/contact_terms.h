@@ -2,6 +2,7 @@
 
 #include "simulation/colliders/prepared_collider.h"
 #include "simulation/implicit/incremental_potential.h"
+#include "simulation/time_step/time_step.h"
 
 namespace selvage {
 
@@ -13,12 +14,10 @@ namespace selvage {
 /// Stiffness of a contact, as a multiple of that of its vertices.
 inline constexpr double kContactStiffness = 20;
 
-/// Bodies with one another and with themselves. By CCD a point is kept as far in front of the surface as it was, up to
-/// kContactGap; by DCD it is sent out by its largest correction at most.
-/// @param max_corrections  (n_vertices) see max_corrections_of() [m]
-void append_contact_terms(std::span<const Contact> contacts, const Step& step, std::span<const double> max_corrections,
-                          const Friction& friction, const IncrementalPotential& potential,
-                          std::vector<OffsetTerm>& terms);
+/// Contacts of a step: bodies with one another, with themselves, and with edges and corners of colliders, which stay
+/// where they are at its end. By CCD a point is kept as far in front of the surface as it was, up to kContactGap; by DCD
+/// it is sent out by its largest correction at most.
+void append_contact_terms(TimeStep& time_step, const IncrementalPotential& potential, std::vector<OffsetTerm>& terms);
 
 /// Vertices that are inside colliders at x, each kept in front of the plane of its way out. One that starts the step
 /// inside is kept from going deeper: TimeStep::project_colliders() takes it out, without speed.

@@ -28,7 +28,6 @@ double mean_edge_of(const Model& model) {
 ImplicitStep::ImplicitStep(const Model& model, const State& initial, std::vector<Handle> handles,
                            std::span<const Collider> colliders, const StepOptions& options)
     : model_(model),
-      options_(options),
       time_step_(model, initial, std::move(handles), colliders, options),
       potential_(model, options.time_step),
       mean_edge_(mean_edge_of(model)),
@@ -54,8 +53,7 @@ bool ImplicitStep::renew_terms() {
   for (const OffsetTerm& term : found) has_collider_term_[term.vertices[0]] = 1;
   collider_terms_.insert(collider_terms_.end(), found.begin(), found.end());
   std::vector<OffsetTerm> terms;
-  append_contact_terms(time_step_.contacts(), time_step_.step(), time_step_.max_corrections(), options_.friction,
-                       potential_, terms);
+  append_contact_terms(time_step_, potential_, terms);
   terms.insert(terms.end(), collider_terms_.begin(), collider_terms_.end());
   potential_.set_contacts(std::move(terms));
   return !found.empty();
@@ -72,10 +70,10 @@ void ImplicitStep::project() {
   impacts_.clear();
   for (const Contact& contact : time_step_.contacts())
     if (contact.kind == ContactKind::kVertexFace || contact.kind == ContactKind::kEdgeEdge) impacts_.push_back(contact);
-  std::vector<FrictionState> without_friction(impacts_.size());
+  std::vector<ContactFriction> without_friction(impacts_.size());
   timed(statistics().seconds_projection, [&] {
-    project_contacts(impacts_, time_step_.step(), time_step_.max_corrections(), {}, without_friction,
-                     time_step_.ejected(), time_step_.vertices());
+    project_contacts(impacts_, time_step_.step(), time_step_.max_corrections(), without_friction, time_step_.ejected(),
+                     time_step_.contact_vertices());
     time_step_.project_colliders();
   });
 }

@@ -35,7 +35,7 @@ class ImplicitStep {
   void project();
 
   const Model& model_;
-  StepOptions options_;
+
   TimeStep time_step_;
   IncrementalPotential potential_;
   double mean_edge_;
