@@ -1,12 +1,12 @@
 // Every energy of a stencil: its derivatives are finite differences, rigid motion changes nothing, and it stays finite
 // whatever its vertices do. A new energy is one more Sample here.
-#include "elasticity/bending.h"
 #include "elasticity/edge_spring.h"
-#include "elasticity/membrane_neo_hookean.h"
-#include "elasticity/membrane_weave.h"
 #include "elasticity/neo_hookean.h"
 #include "elasticity/randoms.h"
 #include "elasticity/strain_damping.h"
+#include "elasticity/triangles/bending.h"
+#include "elasticity/triangles/membrane_neo_hookean.h"
+#include "elasticity/triangles/membrane_weave.h"
 #include "elasticity/volume_spring.h"
 #include "test_scale.h"
 

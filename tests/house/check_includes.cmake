@@ -9,6 +9,7 @@ set(floors core geometry mesh bvh/io/shapes boundary_path/self_collision/surface
     untangling/scene picture cli/python/viewer)
 # The rooms of a floor, likewise. What lies in the floor's own folder may include all of them, and no room includes it.
 set(rooms_of_geometry exact)
+set(rooms_of_elasticity triangles)
 set(rooms_of_io formats)
 set(rooms_of_shapes stuffing sequences)
 set(rooms_of_picture drawing)
@@ -19,7 +20,7 @@ set(rooms_of_self_collision surface culling discrete/continuous)
 set(rooms_of_simulation colliders crossings time_step xpbd implicit newton/vbd)
 set(rooms_of_untangling solids)
 # Floors whose own folder lies below their rooms: a room may include what lies there, and not the reverse.
-set(floors_below_rooms geometry core io shapes simulation)
+set(floors_below_rooms geometry core io shapes elasticity simulation)
 set(simd_folder src/core/simd)
 set(parallel_header src/core/parallel.h)
 

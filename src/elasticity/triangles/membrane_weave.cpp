@@ -1,4 +1,4 @@
-#include "elasticity/membrane_weave.h"
+#include "elasticity/triangles/membrane_weave.h"
 
 #include <Eigen/Eigenvalues>
 

@@ -1,4 +1,4 @@
-#include "elasticity/bending.h"
+#include "elasticity/triangles/bending.h"
 
 #include "elasticity/deformation_gradient.h"
 

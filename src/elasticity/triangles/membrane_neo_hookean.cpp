@@ -1,4 +1,4 @@
-#include "elasticity/membrane_neo_hookean.h"
+#include "elasticity/triangles/membrane_neo_hookean.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
