@@ -31,6 +31,30 @@ cli:
 ## test        build, then run all tests
 test: build-tests
 	$(CTEST) --preset release
+	$(MAKE) test-python
+
+# The environment of the Python package; its packages come from PyPI.
+VENV := build/venv
+PYTHON ?= python3
+
+$(VENV)/installed: python/requirements.txt
+	$(INSTALL) build python
+	$(PYTHON) -m venv $(VENV)
+	$(VENV)/bin/pip install -q --disable-pip-version-check -r $<
+	touch $@
+
+## python      build the Python package in build/release/python, in an environment of its own in build/venv
+python: $(VENV)/installed
+	$(CONFIGURE) --preset release -DSELVAGE_BUILD_PYTHON=ON -DPython_EXECUTABLE=$(CURDIR)/$(VENV)/bin/python
+	$(BUILD) release --target selvage_python_stub selvage_cli
+
+## test-python the tests of the Python package alone
+test-python: python
+	PYTHONPATH=build/release/python $(VENV)/bin/python -m pytest -q tests/python
+
+## wheel       a wheel of the package in build/wheels that installs anywhere, tried in an environment that has nothing else
+wheel: $(VENV)/installed
+	python/make-wheel $(VENV) build/wheels
 
 ## test-long   the same tests with 50 times as many random cases: hours
 test-long: build-tests
@@ -117,5 +141,5 @@ clean:
 help:
 	@sed -n 's/^## /make /p' $(MAKEFILE_LIST)
 
-.PHONY: demo cli test test-long build-tests sanitize sanitize-memory sanitize-threads fuzz bench check-benchmarks docs \
+.PHONY: demo cli test python test-python wheel test-long build-tests sanitize sanitize-memory sanitize-threads fuzz bench check-benchmarks docs \
         format check-format lint install clean help

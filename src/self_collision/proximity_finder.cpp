@@ -36,13 +36,14 @@ struct ProximityFinder::Impl {
   const TriangleMesh& mesh;
   double distance;
   PairFilters filters;
+  std::function<void(double)> on_progress;
   std::vector<Vec3> positions;
   double searched = 0;  ///< the distance that `finder` searches
   /// A step in which nothing moves, with half of the distance as the thickness of each vertex.
   std::optional<ContinuousCollisionFinder> finder;
 
-  Impl(const TriangleMesh& m, std::span<const Vec3> x, double d, PairFilters f)
-      : mesh(m), distance(d), filters(std::move(f)) {
+  Impl(const TriangleMesh& m, std::span<const Vec3> x, double d, PairFilters f, std::function<void(double)> progress)
+      : mesh(m), distance(d), filters(std::move(f)), on_progress(std::move(progress)) {
     if (!(distance > 0 && std::isfinite(distance)))
       throw Error("distance", fmt::format("{} is no positive length", distance), "give a positive number");
     rebuild(x);
@@ -61,6 +62,7 @@ struct ProximityFinder::Impl {
     SelfCollisionOptions options;
     options.filters = filters;
     options.thickness.assign(mesh.vertex_count(), searched / 2);
+    options.on_progress = on_progress;
     finder.emplace(mesh, x, x, std::move(options));
     positions.assign(x.begin(), x.end());
   }
@@ -109,8 +111,8 @@ struct ProximityFinder::Impl {
 };
 
 ProximityFinder::ProximityFinder(const TriangleMesh& mesh, std::span<const Vec3> positions, double distance,
-                                 PairFilters filters)
-    : impl_(std::make_unique<Impl>(mesh, positions, distance, std::move(filters))) {}
+                                 PairFilters filters, std::function<void(double share)> on_progress)
+    : impl_(std::make_unique<Impl>(mesh, positions, distance, std::move(filters), std::move(on_progress))) {}
 ProximityFinder::~ProximityFinder() = default;
 ProximityFinder::ProximityFinder(ProximityFinder&&) noexcept = default;
 ProximityFinder& ProximityFinder::operator=(ProximityFinder&&) noexcept = default;

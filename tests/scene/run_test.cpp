@@ -273,6 +273,24 @@ TEST(Run, RefusesFoldersOfOtherRuns) {
   EXPECT_NE(message.find("another process"), std::string::npos) << message;
 }
 
+TEST(Run, IsContinuedAfterItsUserStoppedItInAStep) {
+  const TemporaryFolder whole, part;
+  const Scene scene = scene_of(falling_blocks());
+  const RunReport report = run_scene(scene, to(whole.path()));
+  struct Enough {};
+  RunOptions options = to(part.path());
+  int steps = 0;
+  options.on_step = [&](const StepProgress&) {
+    if (++steps == 8) throw Enough();
+  };
+  EXPECT_THROW(run_scene(scene, options), Enough);
+  RunOptions resume = to(part.path());
+  resume.resume = true;
+  const RunReport continued = run_scene(scene, resume);
+  EXPECT_EQ(continued.first_frame, 2);  // of three steps a frame
+  EXPECT_EQ(continued.fingerprint, report.fingerprint);
+}
+
 TEST(Run, ContactsBeginInTheFrameThatTheSceneGives) {
   const TemporaryFolder folder;
   const Scene scene = scene_of(falling_blocks(R"(,"contact": {"from_frame": 3})"));

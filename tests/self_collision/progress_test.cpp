@@ -1,5 +1,6 @@
 #include "self_collision/surfaces.h"
 #include "selvage/self_collision/continuous_collision.h"
+#include "selvage/self_collision/proximity.h"
 #include "selvage/shapes/shapes.h"
 
 #include <gtest/gtest.h>
@@ -72,6 +73,33 @@ TEST_F(Progress, OfAStepIsToldPieceByPiece) {
   listener_.expect_whole(2);
   EXPECT_EQ(finder.find_free_step(pairs), plain.find_free_step(pairs));
   listener_.expect_whole(4);
+}
+
+TEST_F(Progress, OfPairsWithinADistanceIsToldPieceByPiece) {
+  const ProximityFinder plain(mesh_, cloth_.positions, 0.05),
+      finder(mesh_, cloth_.positions, 0.05, {}, listener_.options().on_progress);
+  EXPECT_EQ(finder.find_pairs().edge_edge.size(), plain.find_pairs().edge_edge.size());
+  listener_.expect_whole(10);
+}
+
+TEST_F(Progress, WhatItThrowsEndsTheQueryAndTheFinderServesAgain) {
+  struct Enough {};
+  bool is_enough = true;
+  SelfCollisionOptions options;
+  options.on_progress = [&](double) {
+    if (is_enough) throw Enough();
+  };
+  const SelfCollisionFinder finder(mesh_, cloth_.positions, options);
+  const ContinuousCollisionFinder moving(mesh_, cloth_.positions, cloth_.positions, options);
+  const ProximityFinder near(mesh_, cloth_.positions, 0.05, {}, options.on_progress);
+  EXPECT_THROW(finder.find_pairs(), Enough);
+  EXPECT_THROW(moving.find_pairs(), Enough);
+  EXPECT_THROW(near.find_pairs(), Enough);
+  is_enough = false;
+  EXPECT_EQ(finder.find_pairs(), SelfCollisionFinder(mesh_, cloth_.positions).find_pairs());
+  EXPECT_EQ(moving.find_pairs(), ContinuousCollisionFinder(mesh_, cloth_.positions, cloth_.positions).find_pairs());
+  EXPECT_EQ(near.find_pairs().vertex_face.size(),
+            ProximityFinder(mesh_, cloth_.positions, 0.05).find_pairs().vertex_face.size());
 }
 
 }  // namespace

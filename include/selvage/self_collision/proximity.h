@@ -44,11 +44,13 @@ class ProximityFinder {
   /// @param mesh       topology; must outlive the finder: a temporary is refused
   /// @param positions  (n_vertices x 3) [m]
   /// @param distance   pairs count that are nearer; positive [m]
+  /// @param on_progress  as SelfCollisionOptions::on_progress, for the search of find_pairs()
   /// @throws Error     when sizes differ, a position is not finite, the distance is not positive and finite, or a
-  /// filter
-  ///                   does not fit the mesh; update() and rebuild() likewise
-  ProximityFinder(const TriangleMesh& mesh, std::span<const Vec3> positions, double distance, PairFilters filters = {});
-  ProximityFinder(const TriangleMesh&&, std::span<const Vec3>, double, PairFilters = {}) = delete;
+  ///                   filter does not fit the mesh; update() and rebuild() likewise
+  ProximityFinder(const TriangleMesh& mesh, std::span<const Vec3> positions, double distance, PairFilters filters = {},
+                  std::function<void(double share)> on_progress = {});
+  ProximityFinder(const TriangleMesh&&, std::span<const Vec3>, double, PairFilters = {},
+                  std::function<void(double share)> = {}) = delete;
   ~ProximityFinder();
   ProximityFinder(ProximityFinder&&) noexcept;
   ProximityFinder& operator=(ProximityFinder&&) noexcept;

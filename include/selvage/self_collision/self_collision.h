@@ -55,8 +55,8 @@ struct SelfCollisionOptions {
   std::vector<double> thickness;
 
   /// Progress: called now and then during a query for pairs, segments or times of impact, with the share that is done.
-  /// The share never decreases, and is 1 at the end. One thread at a time calls, any of those that search. Must not
-  /// throw.
+  /// The share never decreases, and is 1 at the end. One thread at a time calls, any of those that search. What it
+  /// throws ends the query and leaves it; the finder stays as it was, and can be asked again.
   std::function<void(double share)> on_progress{};
 };
 

@@ -1,0 +1,140 @@
+"""Exact, fast self-collision of deformable meshes.
+
+`V` are positions (n, 3) in metres, `F` triangles (m, 3), `T` tetrahedra (m, 4), all NumPy arrays or what can be made
+one. Every function that takes `V, F` or `V, T` also takes a mesh: of this package, of trimesh, meshio or PyVista, or
+the path of a file.
+
+    import selvage
+
+    mesh = selvage.read_mesh("tangled.msh")
+    pairs = selvage.self_collisions(mesh)  # triangles that meet
+    inside = selvage.shortest_paths(mesh)  # penetrating vertices, and their ways out
+    free = selvage.resolve(mesh)  # the mesh without self-collision
+
+Work runs in parallel without the interpreter's lock, gives the same bits for any number of threads, and stops on
+Ctrl-C. What cannot be raises `selvage.Error`, in one line that says what would mend it.
+"""
+
+from selvage import _native
+from selvage._errors import Error, SystemError
+from selvage._functions import (
+    PenetratingPaths,
+    Resolved,
+    closest_points,
+    continuous_collisions,
+    free_step,
+    has_self_collisions,
+    near_pairs,
+    resolve,
+    self_collisions,
+    shortest_paths,
+    signed_distance,
+)
+from selvage._meshes import (
+    as_mesh,
+    boundary_faces,
+    make,
+    read_mesh,
+    to_meshio,
+    to_pyvista,
+    to_trimesh,
+    write_mesh,
+)
+from selvage._native import (
+    BoundaryPathFinder,
+    ContactFinder,
+    ContinuousCollisionFinder,
+    PairFilters,
+    PlanarMesh,
+    PlanarPathFinder,
+    ProximityFinder,
+    Scene,
+    SelfCollisionFinder,
+    SurfaceDistance,
+    SurfaceSequence,
+    TetMesh,
+    TriangleMesh,
+    culling_methods,
+    pose_names,
+    sequence_names,
+    shape_names,
+    threads,
+)
+from selvage._results import (
+    ClosestPoints,
+    ContactKind,
+    Contacts,
+    ContinuousPairs,
+    Feature,
+    LocatedPoints,
+    NearPairs,
+    PathQueries,
+    Paths,
+    PathStatus,
+    SignedDistances,
+    TriangleContact,
+    TrianglePairs,
+)
+from selvage._scenes import Run, Simulation, read_scene, simulate
+
+__version__ = _native.version
+
+__all__ = [
+    "BoundaryPathFinder",
+    "ClosestPoints",
+    "ContactFinder",
+    "ContactKind",
+    "Contacts",
+    "ContinuousCollisionFinder",
+    "ContinuousPairs",
+    "Error",
+    "Feature",
+    "LocatedPoints",
+    "NearPairs",
+    "PairFilters",
+    "PathQueries",
+    "PathStatus",
+    "Paths",
+    "PenetratingPaths",
+    "PlanarMesh",
+    "PlanarPathFinder",
+    "ProximityFinder",
+    "Resolved",
+    "Run",
+    "Scene",
+    "SelfCollisionFinder",
+    "SignedDistances",
+    "Simulation",
+    "SurfaceDistance",
+    "SurfaceSequence",
+    "SystemError",
+    "TetMesh",
+    "TriangleContact",
+    "TriangleMesh",
+    "TrianglePairs",
+    "__version__",
+    "as_mesh",
+    "boundary_faces",
+    "closest_points",
+    "continuous_collisions",
+    "culling_methods",
+    "free_step",
+    "has_self_collisions",
+    "make",
+    "near_pairs",
+    "pose_names",
+    "read_mesh",
+    "read_scene",
+    "resolve",
+    "self_collisions",
+    "sequence_names",
+    "shape_names",
+    "shortest_paths",
+    "signed_distance",
+    "simulate",
+    "threads",
+    "to_meshio",
+    "to_pyvista",
+    "to_trimesh",
+    "write_mesh",
+]

@@ -1,0 +1,259 @@
+"""Meshes from files, from shapes, and from the mesh objects of other packages, and back."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from selvage import _native
+from selvage._errors import Error
+from selvage._native import TetMesh, TriangleMesh
+from selvage._results import Floats, Ints
+
+Path: TypeAlias = "str | os.PathLike[str]"
+Mesh: TypeAlias = "TetMesh | TriangleMesh"
+
+_VTK_TETRA = 10
+
+
+def _mesh_of(where: object, V: Floats, F: Ints, T: Ints) -> Mesh:
+    if len(T):
+        return TetMesh(V, T)
+    if len(F):
+        return TriangleMesh(V, F)
+    raise Error(f"{where}: there is neither a tetrahedron nor a triangle; give a mesh with either")
+
+
+def read_mesh(path: Path) -> Mesh:
+    """Reads a mesh file.
+
+    Parameters
+    ----------
+    path : path
+        .obj .ply .stl .off .t .node .ele .mesh .msh .vtk .vtu, ASCII or binary.
+
+    Returns
+    -------
+    TetMesh or TriangleMesh
+        Of the tetrahedra where the file has any, else of the triangles. Vertices keep their order, never merged.
+
+    Raises
+    ------
+    selvage.Error
+        One line with the file and the line or byte offset.
+
+    Examples
+    --------
+    >>> import tempfile, os
+    >>> path = os.path.join(tempfile.mkdtemp(), "ball.msh")
+    >>> selvage.write_mesh(path, selvage.make("ball", cell=0.4))
+    >>> selvage.read_mesh(path)
+    selvage.TetMesh(175 vertices, 648 elements, 216 boundary faces)
+    """
+    return _mesh_of(path, *_native.read_arrays(path))
+
+
+def write_mesh(path: Path, *mesh: Any, encoding: str = "usual") -> None:
+    """Writes a mesh file, whole or not at all: `write_mesh(path, mesh)`, or `write_mesh(path, V, F)` of arrays.
+
+    Parameters
+    ----------
+    path : path
+        Its extension names the format, see `read_mesh`.
+    mesh : mesh object, or V and F, or V and T
+        Positions (n, 3) [m]; triangles (m, 3) or tetrahedra (m, 4).
+    encoding : str
+        'usual' (binary where the format has it), 'ascii' or 'binary'.
+
+    Raises
+    ------
+    selvage.Error
+        When the format cannot hold the mesh.
+    selvage.SystemError
+        When the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile, os
+    >>> selvage.write_mesh(os.path.join(tempfile.mkdtemp(), "one.obj"), [[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    """
+    made = as_mesh(*mesh)
+    if isinstance(made, TetMesh):
+        _native.write_arrays(path, made.V, T=made.T, encoding=encoding)
+    else:
+        _native.write_arrays(path, made.V, F=made.F, encoding=encoding)
+
+
+def make(shape: str, *, pose: str | None = None, **options: Any) -> Mesh:
+    """Makes a mesh by formula, to try things on.
+
+    Parameters
+    ----------
+    shape : str
+        One of `shape_names()`: box, beam, rod, trefoil, nested-knot, noodle, ball, torus, tube, squishy-ball, octopus;
+        cloth is a surface.
+    pose : str, optional
+        One of `pose_names()`: twist, bend, fold, swirl, self-crossing, overlap. Deforms the mesh so that it runs into
+        itself, with no element inverted.
+    **options
+        Of the shape, lengths in metres: `cell` or `elements`, `size`, `length`, `radius`, `inner_radius`, `tentacles`,
+        `seed`, `slenderness`; of the pose: `axis`, `turns`, `angle`, `crossings`, `core`, `offset`. What is left out
+        has a default.
+
+    Returns
+    -------
+    TetMesh or TriangleMesh
+
+    Raises
+    ------
+    selvage.Error
+        For an unknown name, an option that the shape or the pose does not have, or impossible values.
+
+    Examples
+    --------
+    >>> selvage.make("box", size=(1, 1, 1), cell=0.5)
+    selvage.TetMesh(27 vertices, 48 elements, 48 boundary faces)
+    """
+    shape_keys = {"cell", "elements", "size", "length", "radius", "inner_radius", "tentacles", "seed", "slenderness"}
+    pose_keys = {"axis", "turns", "angle", "crossings", "core", "offset"}
+    given = {key: value for key, value in options.items() if value is not None}
+    if unknown := sorted(set(given) - shape_keys - pose_keys):
+        raise Error(f"{unknown[0]}: there is no such option; choose among {', '.join(sorted(shape_keys | pose_keys))}")
+    posing = {key: value for key, value in given.items() if key in pose_keys}
+    if posing and pose is None:
+        raise Error(f"{sorted(posing)[0]}: is an option of poses, and none was named; give pose=...")
+    shaping = {key: value for key, value in given.items() if key in shape_keys}
+    return _mesh_of(shape, *_native.shape_arrays(shape, shaping, pose, posing))
+
+
+def as_mesh(*mesh: Any) -> Mesh:
+    """A mesh of this package from whatever holds one.
+
+    Parameters
+    ----------
+    mesh : mesh object, or V and F, or V and T
+        A mesh of this package (returned as it is), of trimesh, meshio or PyVista, the path of a file, or two arrays:
+        positions (n, 3) [m] and (m, 3) triangles or (m, 4) tetrahedra. Of a mesh with both kinds of elements the
+        tetrahedra are taken.
+
+    Returns
+    -------
+    TetMesh or TriangleMesh
+
+    Raises
+    ------
+    selvage.Error
+        When it is none of these, or as TetMesh and TriangleMesh.
+
+    Examples
+    --------
+    >>> selvage.as_mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 1, 2, 3]])
+    selvage.TetMesh(4 vertices, 1 elements, 4 boundary faces)
+    """
+    if len(mesh) == 2:
+        V, elements = mesh
+        shape = np.shape(elements)
+        if len(shape) != 2 or shape[1] not in (3, 4):
+            raise Error(f"elements: an array of shape {shape} was given; expected (m, 3) triangles or (m, 4) tetrahedra")
+        return TetMesh(V, elements) if shape[1] == 4 else TriangleMesh(V, elements)
+    if len(mesh) != 1:
+        raise Error(f"mesh: {len(mesh)} arguments were given; give one mesh, or two arrays V, F or V, T")
+    return _from_object(mesh[0])
+
+
+def _from_object(mesh: Any) -> Mesh:
+    if isinstance(mesh, (TetMesh, TriangleMesh)):
+        return mesh
+    if isinstance(mesh, (str, os.PathLike)):
+        return read_mesh(mesh)
+    if hasattr(mesh, "points") and hasattr(mesh, "cells_dict"):
+        if "connectivity" not in dir(mesh) and hasattr(mesh, "cell_data"):  # meshio
+            cells = mesh.cells_dict
+            F, T = cells.get("triangle", np.empty((0, 3), int)), cells.get("tetra", np.empty((0, 4), int))
+            return _mesh_of("mesh", mesh.points, F, T)
+        tets = mesh.cells_dict.get(_VTK_TETRA)  # pyvista.UnstructuredGrid
+        if tets is not None:
+            return TetMesh(mesh.points, tets)
+        return _from_object(mesh.extract_surface())
+    if hasattr(mesh, "regular_faces") and hasattr(mesh, "triangulate"):  # pyvista.PolyData
+        return TriangleMesh(mesh.points, mesh.triangulate().regular_faces)
+    if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):  # trimesh
+        return TriangleMesh(mesh.vertices, mesh.faces)
+    raise Error(
+        f"mesh: a {type(mesh).__name__} was given; give a mesh of selvage, trimesh, meshio or PyVista, a path, or arrays"
+    )
+
+
+def to_trimesh(*mesh: Any) -> Any:
+    """A `trimesh.Trimesh` of a surface, or of the boundary of a solid; nothing is merged. Needs trimesh."""
+    import trimesh
+
+    made = as_mesh(*mesh)
+    surface = made.surface() if isinstance(made, TetMesh) else made
+    return trimesh.Trimesh(surface.V, surface.F, process=False)
+
+
+def to_meshio(*mesh: Any) -> Any:
+    """A `meshio.Mesh`. Needs meshio."""
+    import meshio
+
+    made = as_mesh(*mesh)
+    cells = ("tetra", made.T) if isinstance(made, TetMesh) else ("triangle", made.F)
+    return meshio.Mesh(made.V, [cells])
+
+
+def to_pyvista(*mesh: Any) -> Any:
+    """A `pyvista.UnstructuredGrid` of tetrahedra, or a `pyvista.PolyData` of triangles. Needs pyvista."""
+    import pyvista
+
+    made = as_mesh(*mesh)
+    if isinstance(made, TetMesh):
+        return pyvista.UnstructuredGrid({_VTK_TETRA: made.T}, made.V)
+    return pyvista.PolyData.from_regular_faces(made.V, made.F)
+
+
+def as_surface(*mesh: Any) -> TriangleMesh:
+    """The surface of whatever holds a mesh: see `as_mesh`; of tetrahedra their boundary."""
+    made = as_mesh(*mesh)
+    return made.surface() if isinstance(made, TetMesh) else made
+
+
+def as_solid(*mesh: Any) -> TetMesh:
+    """The tetrahedra of whatever holds a mesh: see `as_mesh`."""
+    made = as_mesh(*mesh)
+    if isinstance(made, TetMesh):
+        return made
+    raise Error("mesh: a surface was given; give tetrahedra, which TetGen, Gmsh or fTetWild make of a closed surface")
+
+
+def boundary_faces(T: ArrayLike) -> Ints:
+    """Boundary faces of tetrahedra, outward; as `igl.boundary_facets`.
+
+    Parameters
+    ----------
+    T : (m, 4) array of whole numbers
+        Positive tetrahedra.
+
+    Returns
+    -------
+    (b, 3) int32
+
+    Raises
+    ------
+    selvage.Error
+        As TetMesh.
+
+    Examples
+    --------
+    >>> selvage.boundary_faces([[0, 1, 2, 3]])
+    array([[1, 2, 3],
+           [0, 3, 2],
+           [0, 1, 3],
+           [0, 2, 1]], dtype=int32)
+    """
+    elements = np.asarray(T)
+    count = int(elements.max()) + 1 if elements.size and elements.dtype.kind in "iu" else 0
+    return TetMesh(np.zeros((count, 3)), T).boundary_faces
