@@ -50,10 +50,10 @@ python: $(VENV)/installed
 
 ## test-python the tests of the Python package alone
 test-python: python
-	PYTHONPATH=build/release/python $(VENV)/bin/python -m pytest -q tests/python
+	PYTHONPATH=$(CURDIR)/build/release/python $(VENV)/bin/python -m pytest -q tests/python
 
-## wheel       a wheel of the package in build/wheels that installs anywhere, tried in an environment that has nothing else
-wheel: $(VENV)/installed
+## wheel       a wheel in build/wheels that installs anywhere, tried in an environment that has nothing else
+wheel: python
 	python/make-wheel $(VENV) build/wheels
 
 ## test-long   the same tests with 50 times as many random cases: hours

@@ -60,6 +60,8 @@ from selvage._native import (
     shape_names,
     threads,
 )
+from selvage._pictures import picture
+from selvage._pictures import small_picture as _small_picture
 from selvage._results import (
     ClosestPoints,
     ContactKind,
@@ -122,6 +124,7 @@ __all__ = [
     "has_self_collisions",
     "make",
     "near_pairs",
+    "picture",
     "pose_names",
     "read_mesh",
     "read_scene",
@@ -138,3 +141,6 @@ __all__ = [
     "to_trimesh",
     "write_mesh",
 ]
+
+# In a notebook.
+setattr(TetMesh, "_repr_png_", _small_picture)

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import os
 import sys
-from pathlib import Path
 
 from selvage._errors import SystemError
-
-PROGRAM = Path(__file__).parent / "bin" / "selvage"
+from selvage._program import PROGRAM
 
 
 def main() -> None:

@@ -404,7 +404,7 @@ def resolve(
 
     Examples
     --------
-    >>> mesh = selvage.make("rod", cell=0.08, pose="self-crossing", crossings=1)
+    >>> mesh = selvage.make("rod", cell=0.1, pose="self-crossing", crossings=1)
     >>> selvage.has_self_collisions(mesh)
     True
     >>> free = selvage.resolve(mesh)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -87,6 +87,14 @@ def write_mesh(path: Path, *mesh: Any, encoding: str = "usual") -> None:
         _native.write_arrays(path, made.V, F=made.F, encoding=encoding)
 
 
+@overload
+def make(shape: Literal["cloth"], *, pose: str | None = None, **options: Any) -> TriangleMesh: ...
+
+
+@overload
+def make(shape: str, *, pose: str | None = None, **options: Any) -> TetMesh: ...
+
+
 def make(shape: str, *, pose: str | None = None, **options: Any) -> Mesh:
     """Makes a mesh by formula, to try things on.
 
@@ -157,7 +165,7 @@ def as_mesh(*mesh: Any) -> Mesh:
         V, elements = mesh
         shape = np.shape(elements)
         if len(shape) != 2 or shape[1] not in (3, 4):
-            raise Error(f"elements: an array of shape {shape} was given; expected (m, 3) triangles or (m, 4) tetrahedra")
+            raise Error(f"elements: an array {shape} was given; expected (m, 3) triangles or (m, 4) tetrahedra")
         return TetMesh(V, elements) if shape[1] == 4 else TriangleMesh(V, elements)
     if len(mesh) != 1:
         raise Error(f"mesh: {len(mesh)} arguments were given; give one mesh, or two arrays V, F or V, T")
@@ -183,7 +191,7 @@ def _from_object(mesh: Any) -> Mesh:
     if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):  # trimesh
         return TriangleMesh(mesh.vertices, mesh.faces)
     raise Error(
-        f"mesh: a {type(mesh).__name__} was given; give a mesh of selvage, trimesh, meshio or PyVista, a path, or arrays"
+        f"mesh: a {type(mesh).__name__} was given; give a mesh of selvage, trimesh, meshio or PyVista, a path or arrays"
     )
 
 

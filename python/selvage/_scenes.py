@@ -16,6 +16,7 @@ from selvage import _native
 from selvage._errors import Error
 from selvage._meshes import as_solid, write_mesh
 from selvage._native import Scene, SceneSimulation, TetMesh, TriangleMesh
+from selvage._pictures import small_picture
 from selvage._results import Floats, Ints
 
 _SceneLike = Any  # a Scene, the path of a file, or a dict
@@ -272,6 +273,9 @@ class Run:
         """The contents of summary.json: counts, averages per step, shares of time."""
         values: dict[str, Any] = json.loads((self.folder / "summary.json").read_text())
         return values
+
+    def _repr_png_(self) -> bytes:
+        return small_picture(self.mesh())
 
     def __repr__(self) -> str:
         return f"<selvage.Run '{self.folder}': {len(self)} frames of {len(self.T)} elements>"

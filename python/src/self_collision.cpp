@@ -244,7 +244,7 @@ selvage.Error
             return segment_array(without_interpreter([&] { return self.finder->find_segments(rows); }));
           },
           nb::arg("pairs").none(), nb::sig("def find_segments(self, pairs: ArrayLike) -> Floats"),
-          R"((k, 2, 3) float64: the two ends [m] of the segment that the triangles of each of (k, 2) pairs have in common.
+          R"((k, 2, 3) float64: ends [m] of the segment that the triangles of each of (k, 2) pairs have in common.
 
 Equal ends where it is a point; NaN where they overlap in one plane or do not meet. Whether there is a segment is
 exact, its ends are rounded.

@@ -1,5 +1,6 @@
 #include "core/parallel.h"
 #include "mesh/position_extent.h"
+#include "self_collision/surface/search_progress.h"
 #include "selvage/core/error.h"
 #include "selvage/geometry/closest_point.h"
 #include "selvage/geometry/continuous.h"
@@ -62,7 +63,7 @@ struct ProximityFinder::Impl {
     SelfCollisionOptions options;
     options.filters = filters;
     options.thickness.assign(mesh.vertex_count(), searched / 2);
-    options.on_progress = on_progress;
+    if (on_progress) options.on_progress = [this](double share) { on_progress(share / 2); };
     finder.emplace(mesh, x, x, std::move(options));
     positions.assign(x.begin(), x.end());
   }
@@ -102,9 +103,12 @@ struct ProximityFinder::Impl {
 
   /// Measures pairs in parallel, and drops those that are not nearer than the distance.
   template <typename Near, typename Pair>
-  std::vector<Near> measure_all(const std::vector<Pair>& pairs) const {
+  std::vector<Near> measure_all(const std::vector<Pair>& pairs, SearchProgress& progress) const {
     std::vector<Near> near(pairs.size());
-    parallel_for(std::ssize(pairs), kPairGrain, [&](std::int64_t i) { near[i] = measure(pairs[i]); });
+    parallel_ranges(std::ssize(pairs), kPairGrain, [&](std::int64_t first, std::int64_t last) {
+      for (std::int64_t i = first; i < last; ++i) near[i] = measure(pairs[i]);
+      progress.add(last - first);
+    });
     std::erase_if(near, [&](const Near& pair) { return !(pair.distance < distance); });
     return near;
   }
@@ -127,7 +131,14 @@ void ProximityFinder::rebuild(std::span<const Vec3> positions) {
 
 NearPairs ProximityFinder::find_pairs(ContinuousCounters* counters) const {
   const ContinuousPairs pairs = impl_->finder->find_pairs(counters);
-  return {impl_->measure_all<NearVertexFace>(pairs.vertex_face), impl_->measure_all<NearEdges>(pairs.edge_edge)};
+  // The search was the first half of the work.
+  SelfCollisionOptions second_half;
+  if (impl_->on_progress) second_half.on_progress = [this](double share) { impl_->on_progress((1 + share) / 2); };
+  SearchProgress progress(second_half, std::ssize(pairs.vertex_face) + std::ssize(pairs.edge_edge) + 1);
+  NearPairs near{impl_->measure_all<NearVertexFace>(pairs.vertex_face, progress),
+                 impl_->measure_all<NearEdges>(pairs.edge_edge, progress)};
+  progress.add(1);
+  return near;
 }
 
 }  // namespace selvage

@@ -10,7 +10,7 @@ from typing import Any, Callable
 import numpy as np
 import pytest
 import selvage
-from selvage.__main__ import PROGRAM
+from selvage._program import PROGRAM
 
 Program = Callable[..., Any]
 

@@ -65,7 +65,7 @@ def test_impossible_options(boxes, options, said):
 
 
 def test_untangling(tmp_path, program):
-    mesh = selvage.make("rod", cell=0.08, pose="self-crossing", crossings=1)
+    mesh = selvage.make("rod", cell=0.1, pose="self-crossing", crossings=1)
     rows = []
     free = selvage.resolve(mesh.V, mesh.T, progress=rows.append)
     assert free.is_free and free.outcome == "resolved"
@@ -78,7 +78,7 @@ def test_untangling(tmp_path, program):
 
 
 def test_untangling_holds_what_is_pinned():
-    mesh = selvage.make("rod", cell=0.08, pose="self-crossing", crossings=1)
+    mesh = selvage.make("rod", cell=0.1, pose="self-crossing", crossings=1)
     held = selvage.resolve(mesh, pinned=np.arange(len(mesh.V)))
     assert held.outcome == "held" and np.array_equal(held.V, mesh.V)
     with pytest.raises(selvage.Error):
@@ -89,6 +89,6 @@ def test_what_progress_raises_comes_out():
     def refuse(row):
         raise KeyError("enough")
 
-    mesh = selvage.make("rod", cell=0.08, pose="self-crossing", crossings=1)
+    mesh = selvage.make("rod", cell=0.1, pose="self-crossing", crossings=1)
     with pytest.raises(KeyError, match="enough"):
         selvage.resolve(mesh, progress=refuse)

@@ -109,6 +109,16 @@ def test_what_holds_a_mesh(rod, tmp_path):
         selvage.shortest_paths(rod.surface())
 
 
+def test_pictures(rod, tmp_path):
+    png = selvage.picture(rod, file=tmp_path / "rod.png", view=(1, 0, 1), size=(160, 100))
+    assert png.startswith(b"\x89PNG") and (tmp_path / "rod.png").read_bytes() == png
+    assert rod._repr_png_().startswith(b"\x89PNG")
+    with pytest.raises(selvage.Error, match="picture-size|size"):
+        selvage.picture(rod, size=(1, 1))
+    with pytest.raises(selvage.SystemError, match="none"):
+        selvage.picture(rod, file=tmp_path / "none" / "rod.png", size=(160, 100))
+
+
 def test_trimesh(rod):
     trimesh = pytest.importorskip("trimesh")
     there = selvage.to_trimesh(rod)

@@ -99,7 +99,7 @@ def test_numbers_of_threads_change_nothing(pipe, rod):
         selvage.threads(0)
 
 
-def interrupted(code: str, *, after: float = 0.6) -> tuple[float, str]:
+def interrupted(code: str, *, after: float = 0.2) -> tuple[float, str]:
     """Seconds from Ctrl-C to the end of a program, and what it said."""
     program = "import signal, selvage, numpy as np\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n"
     program += textwrap.dedent(code)
@@ -122,10 +122,10 @@ def interrupted(code: str, *, after: float = 0.6) -> tuple[float, str]:
 @pytest.mark.parametrize(
     "code",
     [
-        # Crumpled so that everything meets everything.
         """
-        n = 30000
-        V = np.random.default_rng(0).normal(size=(3 * n, 3))
+        n = 100000
+        rng = np.random.default_rng(0)
+        V = np.repeat(rng.normal(size=(n, 3)), 3, axis=0) + 0.2 * rng.normal(size=(3 * n, 3))
         finder = selvage.SelfCollisionFinder(selvage.TriangleMesh(V, np.arange(3 * n).reshape(n, 3)))
         print("ready", flush=True)
         finder.find_pairs()
@@ -140,16 +140,16 @@ def interrupted(code: str, *, after: float = 0.6) -> tuple[float, str]:
         finder.find_pairs()
         """,
         """
-        n = 60000
+        n = 30000
         rng = np.random.default_rng(0)
-        V = np.repeat(rng.normal(size=(n, 3)), 3, axis=0) + 0.1 * rng.normal(size=(3 * n, 3))
-        finder = selvage.ProximityFinder(selvage.TriangleMesh(V, np.arange(3 * n).reshape(n, 3)), distance=0.1)
+        V = np.repeat(rng.normal(size=(n, 3)), 3, axis=0) + 0.05 * rng.normal(size=(3 * n, 3))
+        finder = selvage.ProximityFinder(selvage.TriangleMesh(V, np.arange(3 * n).reshape(n, 3)), distance=0.05)
         print("ready", flush=True)
         finder.find_pairs()
         """,
         """
-        mesh = selvage.make("torus", cell=0.02)
-        P = np.random.default_rng(0).normal(size=(10**7, 3))
+        mesh = selvage.make("torus", cell=0.05)
+        P = np.random.default_rng(0).normal(size=(4 * 10**6, 3))
         print("ready", flush=True)
         selvage.signed_distance(P, mesh)
         """,
