@@ -3,10 +3,22 @@
 #include "selvage/core/error.h"
 
 #include <cstring>
+#include <unordered_map>
 
 namespace selvage::python {
 
 namespace {
+
+/// Python objects that are asked for in every call, kept for as long as the program runs.
+struct Lasting {
+  nb::handle empty;  ///< numpy.empty
+  std::unordered_map<std::string_view, nb::handle> dtypes, results;
+};
+
+Lasting& lasting() {
+  static Lasting objects;
+  return objects;
+}
 
 std::string expected_of(const ArrayKind& kind) {
   const std::string numbers = kind.dtype[0] == 'f' ? "numbers" : "whole numbers";
@@ -137,8 +149,29 @@ Vec3 vector_of(nb::handle value, const char* name) {
   return Vec3(numbers.span()[0], numbers.span()[1], numbers.span()[2]);
 }
 
+std::pair<nb::object, void*> empty_array(const char* dtype, std::size_t rows, std::size_t width) {
+  const nb::handle type = lasting().dtypes.at(dtype);
+  nb::object array = width == 0 ? lasting().empty(rows, type) : lasting().empty(nb::make_tuple(rows, width), type);
+  Py_buffer view;
+  if (PyObject_GetBuffer(array.ptr(), &view, PyBUF_WRITABLE) != 0) throw nb::python_error();
+  void* const data = view.buf;
+  PyBuffer_Release(&view);  // the array never moves its memory
+  return {std::move(array), data};
+}
+
+void prepare_arrays() {
+  const nb::module_ numpy = nb::module_::import_("numpy");
+  lasting().empty = nb::object(numpy.attr("empty")).release();
+  for (const char* dtype : {"float64", "int32", "int64", "uint32", "uint8"})
+    lasting().dtypes.emplace(dtype, numpy.attr("dtype")(nb::str(dtype)).release());
+}
+
 nb::object result_class(const char* name) {
-  return nb::module_::import_("selvage._results").attr(name);
+  auto& results = lasting().results;
+  auto found = results.find(name);
+  if (found == results.end())
+    found = results.emplace(name, nb::object(nb::module_::import_("selvage._results").attr(name)).release()).first;
+  return nb::borrow(found->second);
 }
 
 }  // namespace selvage::python

@@ -3,7 +3,6 @@
 #include "selvage/core/types.h"
 
 #include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
 
 #include <algorithm>
 #include <cstring>
@@ -110,28 +109,39 @@ Rows<Row> rows_or_none(nb::handle value, const char* name) {
   return value.is_none() ? Rows<Row>() : Rows<Row>(value, name);
 }
 
-/// Numbers for a new NumPy array, which takes over their memory. Filled while the interpreter is free.
+/// A new NumPy array that owns its memory, not yet filled, and where that is. The interpreter must be held.
+/// @param width  numbers a row; 0: the array is one-dimensional
+std::pair<nb::object, void*> empty_array(const char* dtype, std::size_t rows, std::size_t width);
+
+template <typename T>
+constexpr const char* dtype_name() {
+  if constexpr (std::is_same_v<T, double>) return "float64";
+  if constexpr (std::is_same_v<T, std::int32_t>) return "int32";
+  if constexpr (std::is_same_v<T, std::int64_t>) return "int64";
+  if constexpr (std::is_same_v<T, std::uint32_t>) return "uint32";
+  if constexpr (std::is_same_v<T, std::uint8_t>) return "uint8";
+}
+
+/// A new NumPy array to be filled, while the interpreter is free, too.
 template <typename T>
 class Column {
  public:
-  /// @param width  numbers a row; 0: the array is one-dimensional
-  explicit Column(std::size_t rows, std::size_t width = 0)
-      : data_(new T[rows * std::max<std::size_t>(width, 1)]), rows_(rows), width_(width) {}
-
-  T* row(std::size_t i) { return data_.get() + i * std::max<std::size_t>(width_, 1); }
-  T& operator[](std::size_t i) { return data_[i]; }
-
   /// The interpreter must be held.
-  nb::object array() && {
-    const std::array<std::size_t, 2> shape{rows_, width_};
-    T* const data = data_.release();
-    nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<T*>(p); });
-    return nb::cast(nb::ndarray<nb::numpy, T>(data, width_ == 0 ? 1 : 2, shape.data(), owner));
+  explicit Column(std::size_t rows, std::size_t width = 0) : width_(std::max<std::size_t>(width, 1)) {
+    auto [array, data] = empty_array(dtype_name<T>(), rows, width);
+    array_ = std::move(array);
+    data_ = static_cast<T*>(data);
   }
 
+  T* row(std::size_t i) { return data_ + i * width_; }
+  T& operator[](std::size_t i) { return data_[i]; }
+
+  nb::object array() && { return std::move(array_); }
+
  private:
-  std::unique_ptr<T[]> data_;
-  std::size_t rows_, width_;
+  nb::object array_;
+  T* data_;
+  std::size_t width_;
 };
 
 /// A copy of rows of N numbers each as a new array. The interpreter must be held.
@@ -155,7 +165,10 @@ nb::object array_of(const std::vector<Row>& rows) {
 /// Three numbers of an argument, such as a direction.
 Vec3 vector_of(nb::handle value, const char* name);
 
-/// The class of that name among the package's results; made once.
+/// Before all others, when the module is imported.
+void prepare_arrays();
+
+/// The class of that name among the package's results.
 nb::object result_class(const char* name);
 
 }  // namespace selvage::python

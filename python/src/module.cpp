@@ -48,6 +48,7 @@ void bind_errors(nb::module_&) {
 NB_MODULE(_native, m) {
   m.doc() = "The library behind the package selvage, which offers all of this under its own name.";
   m.attr("version") = version();
+  prepare_arrays();
   bind_errors(m);
   nb::class_<ThreadLimit>(m, "threads",
                           R"(Limits the number of threads inside a `with` block, for all threads of the program.

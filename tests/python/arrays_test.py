@@ -133,6 +133,7 @@ def test_answers_own_their_memory(pipe):
     pairs = finder.find_pairs()
     kept = pairs.triangles.copy()
     triangles = pairs.triangles
+    assert triangles.flags.owndata and triangles.flags.writeable and triangles.flags.c_contiguous
     del finder, pairs
     gc.collect()
     junk = [np.full(kept.shape, 7, np.int32) for _ in range(100)]
