@@ -65,12 +65,19 @@ build-tests:
 	$(CONFIGURE) --preset release -DSELVAGE_BUILD_TESTS=ON
 	$(BUILD) release
 
+## test-viewer the tests of the page that `selvage view` writes, in Chromium; needs Node (npm), installed if missing
+test-viewer: cli
+	command -v npm >/dev/null || $(INSTALL) node
+	$(INSTALL) viewer
+	cd viewer && npm ci --no-audit --no-fund --loglevel=error
+	cd viewer && npx tsc --noEmit && npm test && SELVAGE=$(CURDIR)/build/release/selvage npm run test:page
+
 ## sanitize    the tests under the address, undefined-behaviour and thread sanitizers, with fewer random cases
 sanitize: sanitize-memory sanitize-threads
 
 # FLOORS="bvh mesh": the tests of these floors alone.
 sanitize-memory: FLOORS ?= core geometry mesh bvh io shapes boundary_path self_collision surface_distance contact \
-                           elasticity simulation untangling scene picture cli
+                           elasticity simulation untangling scene picture page cli
 sanitize-memory:
 	$(INSTALL) build test sanitize
 	$(CONFIGURE) --preset asan
@@ -141,5 +148,5 @@ clean:
 help:
 	@sed -n 's/^## /make /p' $(MAKEFILE_LIST)
 
-.PHONY: demo cli test python test-python wheel test-long build-tests sanitize sanitize-memory sanitize-threads fuzz bench check-benchmarks docs \
+.PHONY: demo cli test python test-python wheel test-long test-viewer build-tests sanitize sanitize-memory sanitize-threads fuzz bench check-benchmarks docs \
         format check-format lint install clean help

@@ -78,6 +78,14 @@ fs::path topology_path(const fs::path& folder) {
   return folder / "topology.bin";
 }
 
+fs::path rest_path(const fs::path& folder) {
+  return folder / "rest.bin";
+}
+
+fs::path scene_path(const fs::path& folder) {
+  return folder / "scene.json";
+}
+
 fs::path checkpoint_path(const fs::path& folder) {
   return folder / "checkpoint.bin";
 }

@@ -1,6 +1,7 @@
 #include "scene/run_folder.h"
 
 #include "io/whole_file.h"
+#include "scene/scene_json.h"
 #include "scene/statistics_table.h"
 #include "selvage/core/error.h"
 #include "selvage/io/mesh_file.h"
@@ -150,7 +151,8 @@ void RunFolder::clear_unfinished(std::int64_t last_frame) const {
              (file.ends_with(".part") && frame_number(file, extension) >= 0);
     });
   remove_if(options_.folder, [](const std::string& file) {
-    constexpr std::array kOthers{"topology.bin", "checkpoint.bin", "statistics.csv", "frames.pvd", "summary.json"};
+    constexpr std::array kOthers{"topology.bin",   "rest.bin",   "scene.json",   "checkpoint.bin",
+                                 "statistics.csv", "frames.pvd", "summary.json", "report.html"};
     return file.ends_with(".part") &&
            std::any_of(kOthers.begin(), kOthers.end(), [&](const char* name) { return is_file_or_part(file, name); });
   });
@@ -166,8 +168,16 @@ void RunFolder::begin() const {
     clear_unfinished(-1);
     write_text(statistics_path(), statistics_header());
   }
-  if (is_new || !fs::exists(topology_path(options_.folder)))
+  const auto is_missing = [&](const fs::path& path) { return is_new || !fs::exists(path); };
+  if (is_missing(topology_path(options_.folder)))
     write_topology(topology_path(options_.folder), scene_.model, scene_.fingerprint);
+  if (is_missing(rest_path(options_.folder))) {
+    FrameHeader header;
+    header.elements = scene_.model.mesh.element_count();
+    header.fingerprint = scene_.fingerprint;
+    write_frame(rest_path(options_.folder), header, scene_.model.rest_positions);
+  }
+  if (is_missing(scene_path(options_.folder))) write_text(scene_path(options_.folder), print_scene(scene_));
 }
 
 void RunFolder::store_frame(const State& state, const FrameStatistics& row) const {

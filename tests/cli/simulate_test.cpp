@@ -127,7 +127,7 @@ std::map<std::string, std::string> files_of(const fs::path& folder) {
   std::map<std::string, std::string> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     const std::string name = fs::relative(entry.path(), folder).string();
-    if (!entry.is_regular_file() || name == "summary.json") continue;
+    if (!entry.is_regular_file() || name == "summary.json" || name == "report.html") continue;
     std::string text = read_text(entry.path());
     if (name == "statistics.csv") {
       const std::vector<std::string> lines = lines_of(text);

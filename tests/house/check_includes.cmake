@@ -6,7 +6,7 @@ cmake_policy(VERSION 3.25)
 # The floors from the lowest to the highest. A folder may include itself and what stands before it; floors joined by
 # a slash stand side by side and include one another never.
 set(floors core geometry mesh bvh/io/shapes boundary_path/self_collision/surface_distance contact/elasticity simulation
-    untangling/scene picture cli/python/viewer)
+    untangling/scene picture/page cli/python/viewer)
 # The rooms of a floor, likewise. What lies in the floor's own folder may include all of them, and no room includes it.
 set(rooms_of_geometry exact)
 set(rooms_of_elasticity triangles)

@@ -20,9 +20,9 @@ namespace selvage {
 ///       56  uint64     fingerprint of the scene
 ///
 /// topology.bin: elements (n_elements x 4 int32), body of each vertex (n_vertices int32), boundary faces (rest x 3
-/// int32, outward). frames/frame_000000.bin: positions (n_vertices x 3 float32) [m]. checkpoint.bin: positions and
-/// velocities (twice n_vertices x 3 float64). Frames are for viewing, for which single precision suffices. Runs are
-/// continued, and statistics measured, in double precision.
+/// int32, outward). frames/frame_000000.bin: positions (n_vertices x 3 float32) [m]; rest.bin the same at rest.
+/// checkpoint.bin: positions and velocities (twice n_vertices x 3 float64). Frames are for viewing, for which single
+/// precision suffices. Runs are continued, and statistics measured, in double precision.
 struct FrameHeader {
   std::array<char, 8> magic{'s', 'e', 'l', 'v', 'a', 'g', 'e', 0};
   std::int32_t schema = 1;
@@ -40,6 +40,8 @@ enum class FrameFileKind : std::int32_t { kTopology = 1, kFrame = 2, kCheckpoint
 
 /// Where the files of a run in a folder are.
 std::filesystem::path topology_path(const std::filesystem::path& folder);
+std::filesystem::path rest_path(const std::filesystem::path& folder);
+std::filesystem::path scene_path(const std::filesystem::path& folder);
 std::filesystem::path checkpoint_path(const std::filesystem::path& folder);
 std::filesystem::path frame_path(const std::filesystem::path& folder, std::int64_t frame);
 

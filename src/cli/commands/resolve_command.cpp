@@ -106,6 +106,7 @@ nlohmann::ordered_json json_of(const ResolveCommandOptions& options, const Resol
       {"pinned_vertices", options.limits.pinned.size()},
       {"tangled_elements", report.tangled_elements},
       {"holding_vertices", report.holding_vertices}};
+  if (report.outcome == ResolveOutcome::kResolved) json["output"] = options.output;
   for (const ResolveIteration& row : report.iterations) json["iterations"].push_back(json_of(row));
   for (const auto& [phase, seconds] : watch.laps()) json["seconds"][phase] = seconds;
   return json;

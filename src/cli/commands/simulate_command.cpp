@@ -1,6 +1,7 @@
 #include "cli/program/command.h"
 #include "cli/program/console.h"
 #include "cli/program/output.h"
+#include "cli/reports/run_report.h"
 #include "selvage/core/error.h"
 #include "selvage/scene/run.h"
 
@@ -21,7 +22,7 @@ struct SimulateOptions {
   CommonOptions common;
   std::string scene, scale, folder, surface;
   std::int64_t frames = -1, check_every = 0;
-  bool resume = false, vtu = false;
+  bool resume = false, vtu = false, no_report = false;
 };
 
 constexpr const char* kSimulateExample =
@@ -34,7 +35,8 @@ constexpr const char* kSimulateExample =
     "  topology.bin             elements, body of each vertex, boundary faces\n"
     "  statistics.csv           per frame: contacts, paths, penetration, seconds\n"
     "  checkpoint.bin           the state that --resume continues from\n"
-    "and at the end summary.json. Scenes and files are explained in docs/guides/simulate.md.";
+    "and at the end summary.json and report.html, a page for browsers that shows the run. Scenes and files are "
+    "explained in docs/guides/simulate.md.";
 
 std::string frames_a_minute(double frames, double seconds) {
   const double pace = 60 * frames / seconds;
@@ -235,6 +237,7 @@ void run_simulate(const SimulateOptions& options) {
   const RunReport report = run_scene(scene, run);
   watch.lap("run");
   progress.clear();
+  if (!options.no_report) write_run_report(options.folder);
   outputs.write_text(options.common.json, summarize_run(scene, report));
   outputs.commit();
   if (prints) print_summary(options, scene, report, watch.laps().back().second);
@@ -267,6 +270,7 @@ Command add_simulate(CLI::App& app) {
   sub->add_option("--surface", options->surface, "Also write the boundary: surface/frame_*.ply or .obj")
       ->check(CLI::IsMember({"ply", "obj"}))
       ->type_name("FORMAT");
+  sub->add_flag("--no-report", options->no_report, "Do not write report.html");
   return {sub, &options->common, [options] {
             run_simulate(*options);
             return kDone;

@@ -1,0 +1,20 @@
+# cmake -DINPUT=<file> -DOUTPUT=<source.cpp> -P EmbedFile.cmake: the bytes of a file as selvage::page_template().
+cmake_policy(VERSION 3.25)
+file(READ ${INPUT} bytes HEX)
+string(LENGTH "${bytes}" digits)
+math(EXPR size "${digits} / 2")
+string(REGEX REPLACE "(..)" "\\\\x\\1" bytes "${bytes}")
+set(text "// Made of ${INPUT} by cmake/EmbedFile.cmake.\n#include \"page/page_template.h\"\n\nnamespace selvage {\n\n")
+string(APPEND text "namespace {\n\nconstexpr char kBytes[] =\n")
+# Short literals, which every compiler takes; neighbours are one text.
+math(EXPR length "4 * 8192")
+string(LENGTH "${bytes}" all)
+set(at 0)
+while(at LESS all)
+  string(SUBSTRING "${bytes}" ${at} ${length} part)
+  string(APPEND text "    \"${part}\"\n")
+  math(EXPR at "${at} + ${length}")
+endwhile()
+string(APPEND text "    ;\n\n}  // namespace\n\nstd::string_view page_template() {\n  return {kBytes, ${size}};\n}\n\n"
+       "}  // namespace selvage\n")
+file(WRITE ${OUTPUT} "${text}")

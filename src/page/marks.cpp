@@ -1,0 +1,68 @@
+#include "page/marks.h"
+
+#include "page/encoding.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace selvage {
+
+void add_marks(Page& page, const ShownSurface& surface, std::size_t pose, const Marks& marks) {
+  if (marks.empty()) return;
+  const bool has_features = std::any_of(marks.pairs.begin(), marks.pairs.end(),
+                                        [](const MarkedPair& pair) { return pair.features[0] != kNone; });
+  std::vector<std::int32_t> vertices, triangles, features;
+  std::vector<float> numbers;
+  std::string kinds;
+  const auto put = [&](const Vec3& p) {
+    for (int axis = 0; axis < 3; ++axis) numbers.push_back(static_cast<float>(p[axis]));
+  };
+  for (const MarkedPath& path : marks.paths) {
+    vertices.push_back(path.vertex == kNone ? kNone : surface.place[static_cast<std::size_t>(path.vertex)]);
+    numbers.push_back(static_cast<float>(path.depth));
+    put(path.from);
+    put(path.to);
+  }
+  for (const MarkedPair& pair : marks.pairs) {
+    triangles.insert(triangles.end(), pair.triangles.begin(), pair.triangles.end());
+    kinds += static_cast<char>(pair.kind);
+    if (has_features) features.insert(features.end(), pair.features.begin(), pair.features.end());
+  }
+  const std::array<std::int32_t, 3> counts{static_cast<std::int32_t>(vertices.size()),
+                                           static_cast<std::int32_t>(marks.pairs.size()), has_features ? 1 : 0};
+  std::string bytes(reinterpret_cast<const char*>(counts.data()), sizeof counts);
+  bytes += pack_integers(vertices, 1);
+  bytes.append(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(float));
+  bytes += pack_integers(triangles, 2) + pack_integers(features, 4) + kinds;
+  page.add_block(fmt::format("marks{}", pose), bytes);
+  page.head()["marked"].push_back(pose);
+}
+
+MarkFinder::MarkFinder(const TetMesh& mesh, std::span<const Vec3> positions)
+    : surface_(boundary_surface(mesh)), paths_(mesh, positions), pairs_(surface_, positions) {}
+
+Marks MarkFinder::find(std::span<const Vec3> positions) {
+  paths_.update(positions);
+  pairs_.update(positions);
+  Marks marks;
+  const auto queries = paths_.find_penetrating_vertices();
+  const auto found = paths_.find_paths(queries);
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const Index vertex = queries[i].source[0];
+    const Vec3& from = positions[static_cast<std::size_t>(vertex)];
+    const bool has_path = found[i].status == PathStatus::kFound;
+    const MarkedPath path{vertex, from, has_path ? found[i].point : from, has_path ? found[i].distance : -1};
+    if (marks.paths.empty() || marks.paths.back().vertex != vertex) {
+      marks.paths.push_back(path);
+    } else if (path.depth > marks.paths.back().depth) {
+      marks.paths.back() = path;
+    }
+  }
+  for (const TrianglePair& pair : pairs_.find_pairs())
+    if (pair.contact == TriangleContact::kCrossing && marks.pairs.size() < kMaxPairs)
+      marks.pairs.push_back({{pair.first, pair.second}, MarkKind::kCrossing});
+  return marks;
+}
+
+}  // namespace selvage

@@ -1,0 +1,47 @@
+#pragma once
+
+#include "page/page.h"
+#include "page/shown_surface.h"
+
+#include <array>
+
+namespace selvage {
+
+/// The box of all poses of a page.
+struct PoseBox {
+  Vec3 lower = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 upper = Vec3::Constant(-std::numeric_limits<double>::infinity());
+
+  void add(const Vec3& p) {
+    lower = lower.cwiseMin(p);
+    upper = upper.cwiseMax(p);
+  }
+};
+
+/// Writes poses in 16 bits a coordinate: its place in the box, of 65535 steps a side. A pose is stored as the
+/// difference to the one before, and every sixteenth by itself, as the difference to the vertex before, so that a
+/// reader can begin there. Coordinates are off by at most half a step.
+class PoseBlocks {
+ public:
+  PoseBlocks(Page& page, const ShownSurface& surface, const PoseBox& box);
+
+  /// Appends a pose as block `pose<number>`.
+  /// @param positions  of all vertices of the mesh, in the box
+  /// @param time       [s], or what stands for it
+  void add(std::span<const Vec3> positions, double time);
+
+  /// Says in the page how many there are; after the last.
+  void finish();
+
+  static constexpr std::size_t kKeyInterval = 16;
+
+ private:
+  Page& page_;
+  const ShownSurface& surface_;
+  PoseBox box_;
+  Vec3 step_;
+  std::vector<std::uint16_t> before_;
+  std::vector<double> times_;
+};
+
+}  // namespace selvage

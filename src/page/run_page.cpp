@@ -1,0 +1,218 @@
+#include "page/run_page.h"
+
+#include "io/whole_file.h"
+#include "page/encoding.h"
+#include "page/marks.h"
+#include "page/page.h"
+#include "page/pose_blocks.h"
+#include "page/shown_surface.h"
+#include "scene/statistics_table.h"
+#include "selvage/core/error.h"
+#include "selvage/scene/frames.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+
+namespace selvage {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kRemedy = "run the scene anew";
+
+/// The files of a run that all frames share, checked against each other.
+struct Run {
+  fs::path folder;
+  TopologyFile topology;
+  std::int64_t last_frame = 0;
+  std::vector<FrameStatistics> rows;
+  Json scene, summary;  ///< null where the folder has none
+
+  explicit Run(const fs::path& path);
+  std::vector<Vec3> read_positions(const fs::path& path) const;
+};
+
+void check_surface(const fs::path& path, const TopologyFile& topology) {
+  const auto in_range = [&](Index v) { return v >= 0 && v < topology.header.vertices; };
+  for (const auto& face : topology.boundary_faces)
+    if (!std::all_of(face.begin(), face.end(), in_range))
+      throw Error(path.string(), "has a face of no vertex", kRemedy);
+  for (const auto& element : topology.elements)
+    if (!std::all_of(element.begin(), element.end(), in_range))
+      throw Error(path.string(), "has an element of no vertex", kRemedy);
+}
+
+/// A JSON file of the run; null where there is none.
+Json read_json(const fs::path& path) {
+  if (!fs::exists(path)) return nullptr;
+  Json json = Json::parse(read_whole_file(path), nullptr, false);
+  if (!json.is_object()) throw Error(path.string(), "is no JSON of a run", kRemedy);
+  return json;
+}
+
+Run::Run(const fs::path& path) : folder(path) {
+  if (!fs::exists(topology_path(folder)))
+    throw Error(folder.string(), "holds no run: there is no topology.bin", "name the folder given to simulate -o");
+  topology = read_topology(topology_path(folder));
+  check_surface(topology_path(folder), topology);
+  if (!fs::exists(checkpoint_path(folder)))
+    throw Error(checkpoint_path(folder).string(), "is missing: the run has no whole frame", "run the scene further");
+  last_frame = read_checkpoint(checkpoint_path(folder)).header.frame;
+  const fs::path statistics = folder / "statistics.csv";
+  rows = parse_statistics(read_whole_file(statistics), statistics.string(), last_frame);
+  scene = read_json(scene_path(folder));
+  summary = read_json(folder / "summary.json");
+}
+
+std::vector<Vec3> Run::read_positions(const fs::path& path) const {
+  FrameFile frame = read_frame(path);
+  if (frame.header.fingerprint != topology.header.fingerprint || frame.header.vertices != topology.header.vertices)
+    throw Error(path.string(), "is of another run than topology.bin", kRemedy);
+  for (const Vec3& p : frame.positions)
+    if (!p.allFinite()) throw Error(path.string(), "has a position that is not finite", kRemedy);
+  return std::move(frame.positions);
+}
+
+std::string count_of(std::int64_t count, std::string_view one, std::string_view many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+void add_warnings(Page& page, const Run& run) {
+  const FrameStatistics &first = run.rows.front(), &last = run.rows.back();
+  if (run.summary.is_object() && run.summary.contains("message"))
+    page.add_warning(fmt::format("The run stopped: {}", run.summary["message"].get<std::string>()));
+  if (run.scene.is_null()) page.add_warning("The folder has no scene.json: colliders are not shown.");
+  if (first.penetrating_vertices > 0)
+    page.add_warning(fmt::format("Before the first frame {} inside, at most {:.3g} m deep.",
+                                 count_of(first.penetrating_vertices, "vertex was", "vertices were"),
+                                 first.deepest_penetration));
+  if (last.frame == 0) return;
+  if (last.penetrating_vertices > 0)
+    page.add_warning(fmt::format("At the end {} inside, at most {:.3g} m deep.",
+                                 count_of(last.penetrating_vertices, "vertex is", "vertices are"),
+                                 last.deepest_penetration));
+  if (last.triangle_pairs > 0)
+    page.add_warning(fmt::format(
+        "At the end {}.", count_of(last.triangle_pairs, "pair of triangles crosses", "pairs of triangles cross")));
+  if (last.inverted_elements + last.flat_elements > 0)
+    page.add_warning(fmt::format("At the end {} inverted and {} flat.",
+                                 count_of(last.inverted_elements, "element is", "elements are"), last.flat_elements));
+}
+
+void add_statistics(Page& page, const Run& run) {
+  Json columns = Json::array(), rows = Json::array();
+  const std::string header = statistics_header();
+  for (std::size_t at = 0; at < header.size();) {
+    const std::size_t end = header.find_first_of(",\n", at);
+    columns.push_back(header.substr(at, end - at));
+    at = end + 1;
+  }
+  for (const FrameStatistics& row : run.rows) {
+    Json numbers = Json::array();
+    const std::string line = statistics_row(row);
+    for (std::size_t at = 0; at < line.size();) {
+      const std::size_t end = line.find_first_of(",\n", at);
+      // Infinite numbers, as of a run that explodes, are none in JSON: null.
+      numbers.push_back(Json::parse(line.substr(at, end - at), nullptr, false));
+      if (numbers.back().is_discarded()) numbers.back() = nullptr;
+      at = end + 1;
+    }
+    rows.push_back(std::move(numbers));
+  }
+  page.head()["statistics"] = {{"columns", std::move(columns)}, {"rows", std::move(rows)}};
+}
+
+void add_bodies(Page& page, const Run& run, const ShownSurface& surface) {
+  std::vector<std::int32_t> bodies;
+  for (const Index v : surface.vertices) bodies.push_back(run.topology.vertex_bodies[static_cast<std::size_t>(v)]);
+  page.add_block("bodies", pack_integers(bodies, 1));
+  if (!fs::exists(rest_path(run.folder))) return;
+  const auto rest = run.read_positions(rest_path(run.folder));
+  std::vector<float> numbers;
+  for (const Index v : surface.vertices)
+    for (int axis = 0; axis < 3; ++axis) numbers.push_back(static_cast<float>(rest[static_cast<std::size_t>(v)][axis]));
+  page.add_block("rest", {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(float)});
+}
+
+std::vector<std::int64_t> frames_shown(std::int64_t last, std::int64_t every) {
+  std::vector<std::int64_t> frames;
+  for (std::int64_t frame = 0; frame <= last; frame += every) frames.push_back(frame);
+  if (frames.back() != last) frames.push_back(last);
+  return frames;
+}
+
+/// Poses and what is marked in them.
+class RunPoses {
+ public:
+  RunPoses(const Run& run, const ShownSurface& surface, const RunPageOptions& options)
+      : run_(run), surface_(surface), options_(options), frames_(frames_shown(run.last_frame, options.every)) {}
+
+  void add_to(Page& page) {
+    PoseBox box;
+    for (const std::int64_t frame : frames_) {
+      const auto positions = run_.read_positions(frame_path(run_.folder, frame));
+      for (const Index v : surface_.vertices) box.add(positions[static_cast<std::size_t>(v)]);
+    }
+    PoseBlocks poses(page, surface_, box);
+    std::int64_t most_pairs = 0;
+    for (std::size_t i = 0; i < frames_.size(); ++i) {
+      const auto& row = run_.rows[static_cast<std::size_t>(frames_[i])];
+      const auto positions = run_.read_positions(frame_path(run_.folder, frames_[i]));
+      poses.add(positions, row.time);
+      if (options_.marks && row.penetrating_vertices + row.triangle_pairs > 0)
+        add_marks(page, surface_, i, find_marks(positions));
+      most_pairs = std::max(most_pairs, row.triangle_pairs);
+      if (page.block_length() > kMaxPageLength)
+        throw Error(run_.folder.string(),
+                    fmt::format("the page would be larger than {} MB, with {} of {} frames in it",
+                                kMaxPageLength / 1'000'000, i + 1, frames_.size()),
+                    "show fewer frames: --every N");
+      if (options_.on_progress) options_.on_progress(static_cast<double>(i + 1) / static_cast<double>(frames_.size()));
+    }
+    poses.finish();
+    if (options_.marks && most_pairs > static_cast<std::int64_t>(MarkFinder::kMaxPairs))
+      page.add_warning(fmt::format("Of each frame only the first {} pairs of triangles that cross are marked.",
+                                   MarkFinder::kMaxPairs));
+    page.head()["frames"] = frames_;
+  }
+
+ private:
+  Marks find_marks(std::span<const Vec3> positions) {
+    if (!mesh_) {
+      mesh_.emplace(static_cast<Index>(run_.topology.header.vertices), run_.topology.elements);
+      finder_.emplace(*mesh_, positions);
+    }
+    return finder_->find(positions);
+  }
+
+  const Run& run_;
+  const ShownSurface& surface_;
+  const RunPageOptions& options_;
+  std::vector<std::int64_t> frames_;
+  std::optional<TetMesh> mesh_;
+  std::optional<MarkFinder> finder_;
+};
+
+}  // namespace
+
+std::string print_run_page(const fs::path& folder, const RunPageOptions& options) {
+  const Run run(folder);
+  const ShownSurface surface(static_cast<std::size_t>(run.topology.header.vertices), run.topology.boundary_faces);
+  const std::string name = run.scene.is_object() ? run.scene.value("scene", std::string()) : std::string();
+  Page page("run", name.empty() ? folder.lexically_normal().filename().string() : name);
+  for (const auto& [group, fact, value] : options.facts) page.add_fact(group, fact, value);
+  add_warnings(page, run);
+  add_surface(page, surface);
+  add_bodies(page, run, surface);
+  add_statistics(page, run);
+  page.head()["marked"] = Json::array();
+  if (run.scene.is_object()) page.head()["scene"] = run.scene;
+  if (run.summary.is_object()) page.head()["summary"] = run.summary;
+  RunPoses(run, surface, options).add_to(page);
+  return page.print();
+}
+
+}  // namespace selvage

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "page/page.h"
+#include "selvage/core/types.h"
+
+#include <vector>
+
+namespace selvage {
+
+/// The vertices that some triangles use, ascending, and the triangles in their numbers.
+struct ShownSurface {
+  std::vector<Index> vertices;  ///< (n_shown) numbers in the mesh
+  std::vector<Index> place;     ///< (n_vertices) number among those shown; kNone: not shown
+  std::vector<VertexTuple<3>> triangles;
+
+  ShownSurface(std::size_t vertex_count, std::span<const VertexTuple<3>> surface);
+};
+
+/// Puts the surface in the page: blocks `triangles` and `vertices`, and its counts.
+void add_surface(Page& page, const ShownSurface& surface);
+
+}  // namespace selvage

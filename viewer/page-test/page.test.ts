@@ -1,0 +1,347 @@
+// The page in Chromium, as the program writes it. SELVAGE names the program, CHROMIUM the browser.
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
+import { chromium, type Browser, type Page } from "playwright-core";
+import { afterAll, beforeAll, describe, expect, it } from "vitest";
+
+const program = resolve(process.env.SELVAGE ?? "../build/release/selvage");
+const executablePath = process.env.CHROMIUM ?? "/usr/bin/chromium";
+const folder = mkdtempSync(join(tmpdir(), "selvage-page-"));
+const path = (name: string) => join(folder, name);
+const selvage = (...words: string[]) => execFileSync(program, [...words, "--quiet"], { cwd: folder });
+
+/// A block that falls on another, which overlaps a third from the start, beside a plate that moves and turns.
+const scene = {
+  selvage_scene: 1,
+  frames: 20,
+  substeps: 4,
+  bodies: [
+    {
+      name: "block",
+      mesh: { shape: "box", size: [1, 1, 1], cell: 0.25 },
+      material: { youngs_modulus: 2e4 },
+      translate: [0, 0, 0.05],
+      instances: { list: [{}, { translate: [0.3, 0.2, 1.2] }, { translate: [0.9, 0.1, 0] }] },
+      velocity: [0, 0, -2],
+    },
+  ],
+  colliders: [
+    { plane: { point: [0, 0, 0], normal: [0, 0, 1] } },
+    { sphere: { centre: [-2, 0, 1], radius: 0.5 }, motion: { keyframes: [{ time: 0 }, { time: 0.3, translate: [0, 0, 1] }] } },
+  ],
+};
+
+let browser: Browser;
+let page: Page;
+const complaints: string[] = [];
+
+async function open(name: string, options: { width?: number; script?: string } = {}): Promise<Page> {
+  page = await browser.newPage({ viewport: { width: options.width ?? 1000, height: 700 } });
+  page.on("console", (message) => complaints.push(`console: ${message.text()}`));
+  page.on("pageerror", (error) => complaints.push(`error: ${error.message}`));
+  page.on("request", (request) => {
+    if (!/^(file|data|blob):/.test(request.url())) complaints.push(`request: ${request.url()}`);
+  });
+  if (options.script) await page.addInitScript(options.script);
+  await page.goto(`file://${path(name)}`);
+  await page.waitForFunction(() => document.documentElement.dataset.state, null, { timeout: 40000 });
+  return page;
+}
+
+const state = (): Promise<Record<string, string>> => page.evaluate(() => ({ ...document.documentElement.dataset }) as Record<string, string>);
+const until = (name: string, value: string) =>
+  page.waitForFunction(([n, v]) => document.documentElement.dataset[n] === v, [name, value], { timeout: 20000 });
+
+/// Pixels of a picture, and the picture itself, made smaller.
+function decode(png: string, shrink: number): Promise<{ pixels: number[]; png: string }> {
+  return page.evaluate(
+    async ([text, factor]) => {
+      const image = new Image();
+      image.src = `data:image/png;base64,${text}`;
+      await image.decode();
+      const canvas = document.createElement("canvas");
+      canvas.width = Math.round(image.width / Number(factor));
+      canvas.height = Math.round(image.height / Number(factor));
+      const context = canvas.getContext("2d")!;
+      context.drawImage(image, 0, 0, canvas.width, canvas.height);
+      const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
+      return { pixels: [...data], png: canvas.toDataURL().split(",")[1] };
+    },
+    [png, shrink],
+  );
+}
+
+/// The picture as it is on the screen, at a quarter of the size.
+async function look(): Promise<{ pixels: number[]; png: string }> {
+  await page.waitForTimeout(300);
+  return decode((await page.locator("#picture").screenshot()).toString("base64"), 4);
+}
+
+const pixels = async () => (await look()).pixels;
+
+/// Share of the pixels of which a channel differs by more than a fifth of its range.
+function difference(a: number[], b: number[]): number {
+  expect(a.length).toBe(b.length);
+  let count = 0;
+  for (let i = 0; i < a.length; i += 4) if ([0, 1, 2].some((c) => Math.abs(a[i + c] - b[i + c]) > 51)) ++count;
+  return (4 * count) / a.length;
+}
+
+beforeAll(async () => {
+  writeFileSync(path("blocks.json"), JSON.stringify(scene));
+  selvage("simulate", "blocks.json", "-o", "run");
+  selvage("view", "run", "-o", "run.html");
+  selvage("make", "rod", "--length", "8", "--radius", "0.2", "--pose", "self-crossing", "-o", "rod.vtu");
+  selvage("resolve", "rod.vtu", "-o", "free.vtu", "--json", "resolve.json");
+  selvage("paths", "rod.vtu", "--json", "paths.json");
+  for (const words of [["check", "rod.vtu", "--json", "check.json"], ["check", "free.vtu", "--to", "rod.vtu", "--json", "step.json"]]) {
+    try {
+      selvage(...words);
+    } catch (error) {
+      expect((error as { status: number }).status).toBe(1); // there are pairs
+    }
+  }
+  for (const name of ["check", "step", "paths", "resolve"]) selvage("view", `${name}.json`, "-o", `${name}.html`);
+  const args = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+  browser = await chromium.launch({ executablePath, args });
+});
+
+afterAll(async () => {
+  await browser?.close();
+  rmSync(folder, { recursive: true });
+});
+
+describe("the page of a run", () => {
+  it("opens without a word and shows the first frame", async () => {
+    await open("run.html");
+    expect((await state()).state).toBe("ready");
+    expect(await page.textContent("#title")).toBe("blocks");
+    expect(await page.textContent("#warnings")).toContain("Before the first frame");
+    expect(await page.textContent("#clock")).toBe("frame 0, 0.000 s");
+    expect(await page.locator("#charts .uplot").count()).toBe(4);
+  });
+
+  it("looks as it did", async () => {
+    const { pixels: shot, png } = await look();
+    const kept = "page-test/run.png";
+    if (process.env.KEEP) writeFileSync(kept, Buffer.from(png, "base64"));
+    const { pixels: before } = await decode(readFileSync(kept).toString("base64"), 1);
+    expect(difference(shot, before)).toBeLessThan(0.03);
+    // The bodies are there, in their colours.
+    const has = (r: number, g: number, b: number) => {
+      let count = 0;
+      for (let i = 0; i < shot.length; i += 4) {
+        const [x, y, z] = shot.slice(i, i + 3);
+        const size = Math.hypot(x, y, z);
+        if (size > 60 && (x * r + y * g + z * b) / size / Math.hypot(r, g, b) > 0.985) ++count;
+      }
+      return count;
+    };
+    expect(has(0, 114, 178)).toBeGreaterThan(100);
+    expect(has(230, 159, 0)).toBeGreaterThan(100);
+  });
+
+  it("goes to a frame by the slider, by keys and by a click on a chart", async () => {
+    const first = await pixels();
+    await page.locator("#scrub").fill("12");
+    await until("frame", "12");
+    expect(await page.textContent("#clock")).toBe("frame 12, 0.200 s");
+    expect(difference(first, await pixels())).toBeGreaterThan(0.01);
+    await page.keyboard.press("ArrowRight");
+    await until("frame", "13");
+    await page.keyboard.press("End");
+    await until("frame", "20");
+    await page.keyboard.press("Home");
+    await until("frame", "0");
+    await page.locator("#charts .u-over").first().click({ position: { x: 100, y: 20 } });
+    await page.waitForFunction(() => Number(document.documentElement.dataset.frame) > 3);
+    await page.keyboard.press("Home");
+    await until("frame", "0");
+  });
+
+  it("plays to the end and stops", async () => {
+    // Slowly, so that it can be seen.
+    await page.locator("#speed").selectOption("0.1");
+    await page.locator("#scrub").focus();
+    await page.keyboard.press(" ");
+    await until("playing", "yes");
+    await until("frame", "20");
+    await until("playing", "");
+    expect(Number((await state()).drawn)).toBeGreaterThan(3);
+  });
+
+  it("colours by all that it knows", async () => {
+    await page.keyboard.press("Home");
+    await until("frame", "0");
+    const seen = [(await state()).colour];
+    for (let i = 0; i < 4; ++i) {
+      await page.keyboard.press("m");
+      seen.push((await state()).colour);
+    }
+    expect(seen).toEqual(["body", "depth", "contact", "speed", "stretch"]);
+    expect(await page.textContent("#legend")).toContain("largest stretch");
+    await page.keyboard.press("m");
+    expect(await page.locator("#legend .swatch").count()).toBe(3);
+  });
+
+  it("cuts the bodies open, with caps", async () => {
+    await page.keyboard.press("e");
+    const whole = await pixels();
+    await page.keyboard.press("c");
+    await until("cut", "y");
+    const cut = await pixels();
+    expect(difference(whole, cut)).toBeGreaterThan(0.02);
+    // Caps have one colour: that of their body, darker. Many pixels are equal.
+    const counts = new Map<string, number>();
+    for (let i = 0; i < cut.length; i += 4) {
+      const name = cut.slice(i, i + 3).join();
+      counts.set(name, (counts.get(name) ?? 0) + 1);
+    }
+    const caps = [...counts].filter(([name, count]) => {
+      const [r, , b] = name.split(",").map(Number);
+      return count > 60 && Math.abs(r - b) > 80;
+    });
+    expect(caps.length).toBeGreaterThanOrEqual(2);
+    await page.keyboard.press("]");
+    await page.keyboard.press("c");
+    await until("cut", "");
+    await page.keyboard.press("e");
+  });
+
+  it("tells the values of a vertex that is clicked on", async () => {
+    await page.keyboard.press("f");
+    await page.waitForTimeout(200);
+    const box = (await page.locator("#picture").boundingBox())!;
+    await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
+    const text = (await page.textContent("#pick"))!;
+    expect(text).toMatch(/^vertex \d+ of block/);
+    expect(text).toContain("m/s");
+    expect(text).toContain("stretched by");
+    await page.mouse.click(box.x + 5, box.y + box.height - 5);
+    expect(await page.locator("#pick").isHidden()).toBe(true);
+  });
+
+  it("turns under the mouse", async () => {
+    const before = await pixels();
+    const box = (await page.locator("#picture").boundingBox())!;
+    await page.mouse.move(box.x + 500, box.y + 200);
+    await page.mouse.down();
+    await page.mouse.move(box.x + 700, box.y + 250, { steps: 5 });
+    await page.mouse.up();
+    expect(difference(before, await pixels())).toBeGreaterThan(0.02);
+    expect(await page.locator("#pick").isHidden()).toBe(true);
+    await page.keyboard.press("f");
+  });
+
+  it("is dark or light, and tells its numbers and its keys", async () => {
+    const { theme } = await state();
+    await page.keyboard.press("d");
+    expect((await state()).theme).not.toBe(theme);
+    await page.keyboard.press("i");
+    const details = await page.textContent("#details");
+    for (const word of ["outcome", "finished", "youngs modulus", "gravity", "frames per second"]) expect(details?.replaceAll("_", " ")).toContain(word);
+    await page.keyboard.press("i");
+    expect(await page.locator("#details").isHidden()).toBe(true);
+    await page.keyboard.press("h");
+    expect(await page.locator("#keys").isVisible()).toBe(true);
+    await page.keyboard.press("Escape");
+    await page.close();
+  });
+
+  it("is written by simulate too, with the machine", async () => {
+    await open("run/report.html", { width: 400 });
+    expect((await state()).state).toBe("ready");
+    expect(await page.textContent("#details")).toContain("processor");
+    // On a narrow screen nothing is wider than the screen.
+    expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(400);
+    await page.close();
+  });
+
+  it("has numbers and charts where there is no WebGL", async () => {
+    const script = "HTMLCanvasElement.prototype.getContext = ((get) => function (kind, ...rest) { return /webgl/.test(kind) ? null : get.call(this, kind, ...rest); })(HTMLCanvasElement.prototype.getContext);";
+    await open("run.html", { script });
+    expect((await state()).state).toBe("failed");
+    expect(await page.textContent("#notice")).toContain("WebGL");
+    expect(await page.locator("#charts .uplot").count()).toBe(4);
+    expect(await page.locator("#details").isVisible()).toBe(true);
+    await page.close();
+    // three.js tells why on the console.
+    const told = complaints.splice(0).filter((line) => !/WebGL/.test(line));
+    expect(told).toEqual([]);
+  });
+});
+
+describe("pages of other results", () => {
+  it("go from pair to pair of check", async () => {
+    await open("check.html");
+    expect(await page.textContent("#pair-label")).toMatch(/^\d+ colliding pairs$/);
+    await page.keyboard.press("n");
+    const { triangle_pairs } = JSON.parse(readFileSync(path("check.json"), "utf8"));
+    const label = (i: number) => `pair ${i + 1} of ${triangle_pairs.length}: triangles ${triangle_pairs[i].join(" and ")}`;
+    expect(await page.textContent("#pair-label")).toContain(label(0));
+    await page.keyboard.press("p");
+    expect(await page.textContent("#pair-label")).toContain(label(triangle_pairs.length - 1));
+    await page.click("#pair-next");
+    expect(await page.textContent("#pair-label")).toContain(label(0));
+    await page.close();
+  });
+
+  it("blend the start and the end of a step", async () => {
+    await open("step.html");
+    expect(await page.textContent("#before")).toBe("start");
+    const { vertex_face } = JSON.parse(readFileSync(path("step.json"), "utf8"));
+    await page.keyboard.press("n");
+    expect(await page.textContent("#pair-label")).toContain(`vertex ${vertex_face[0][0]}, face ${vertex_face[0][1]}`);
+    const first = await pixels();
+    await page.locator("#scrub").fill("0.5");
+    await until("frame", "0.5");
+    expect(difference(first, await pixels())).toBeGreaterThan(0.005);
+    await page.close();
+  });
+
+  it("have the ways out of paths as arrows", async () => {
+    await open("paths.html");
+    const pink = (shot: number[]) => {
+      let count = 0;
+      for (let i = 0; i < shot.length; i += 4) if (shot[i] > 130 && shot[i + 1] < 0.7 * shot[i] && shot[i + 2] > 1.2 * shot[i + 1] && shot[i + 2] > 100) ++count;
+      return count;
+    };
+    const shown = pink(await pixels());
+    expect(shown).toBeGreaterThan(10);
+    await page.getByText("ways out", { exact: true }).locator("..").locator("input").click();
+    expect(pink(await pixels())).toBeLessThan(shown / 2);
+    await page.close();
+  });
+
+  it("show the mesh before and after resolve", async () => {
+    await open("resolve.html");
+    const before = await pixels();
+    expect(await page.textContent("#pair-label")).toContain("colliding pairs");
+    await page.keyboard.press("End");
+    await until("frame", "1");
+    expect(await page.locator("#pairs").isHidden()).toBe(true);
+    expect(difference(before, await pixels())).toBeGreaterThan(0.005);
+    await page.keyboard.press(" ");
+    expect((await state()).playing).toBe("yes");
+    await page.close();
+  });
+
+  it("say what is wrong where there is no result", async () => {
+    const text = readFileSync(path("check.html"), "utf8");
+    writeFileSync(path("empty.html"), text.replace(/<script type="application\/json" id="head">.*<\/script>/, ""));
+    await open("empty.html");
+    expect(await page.textContent("#notice")).toContain("selvage view RESULT");
+    await page.close();
+    writeFileSync(path("damaged.html"), text.replace(/id="block-pose0"/, 'id="block-lost"'));
+    await open("damaged.html").catch(() => {});
+    await page.waitForFunction(() => document.documentElement.dataset.state === "failed");
+    expect(await page.textContent("#notice")).toContain("pose 0 is missing");
+    await page.close();
+  });
+
+  it("asked for nothing from outside, and complained of nothing", () => {
+    expect(complaints).toEqual([]);
+  });
+});

@@ -1,0 +1,179 @@
+import uPlot from "uplot";
+import "uplot/dist/uPlot.min.css";
+import type { Head } from "./head";
+
+export interface Line {
+  label: string;
+  values: number[];
+  colour: string;
+}
+
+export interface Chart {
+  title: string;
+  stacked: boolean;
+  lines: Line[];
+}
+
+/// Values of a column of the statistics in the frames that are shown.
+export function column(head: Head, name: string): number[] {
+  const at = head.statistics!.columns.indexOf(name);
+  const rows = head.statistics!.rows;
+  return (head.frames ?? []).map((frame) => (at < 0 ? 0 : (rows[frame][at] ?? 0)));
+}
+
+/// What the charts show of a run.
+export function chartsOf(head: Head): Chart[] {
+  if (!head.statistics || !head.frames) return [];
+  const of = (name: string, scale = 1) => column(head, name).map((x) => scale * x);
+  const times: Line[] = [
+    { label: "material", values: of("seconds_material", 1e3), colour: "#0072b2" },
+    { label: "projection", values: of("seconds_projection", 1e3), colour: "#56b4e9" },
+    { label: "DCD", values: of("seconds_dcd", 1e3), colour: "#009e73" },
+    { label: "paths", values: of("seconds_paths", 1e3), colour: "#cc79a7" },
+    { label: "CCD", values: of("seconds_ccd", 1e3), colour: "#e69f00" },
+  ];
+  const rest = of("seconds_frame", 1e3).map((all, i) => Math.max(0, all - times.reduce((sum, t) => sum + t.values[i], 0)));
+  return [
+    { title: "time of a frame [ms]", stacked: true, lines: [...times, { label: "rest", values: rest, colour: "#999999" }] },
+    {
+      title: "inside",
+      stacked: false,
+      lines: [
+        { label: "deepest [mm]", values: of("deepest_penetration", 1e3), colour: "#d55e00" },
+        { label: "vertices", values: of("penetrating_vertices"), colour: "#0072b2" },
+        { label: "crossing pairs", values: of("triangle_pairs"), colour: "#cc79a7" },
+      ],
+    },
+    {
+      title: "contacts",
+      stacked: true,
+      lines: [
+        { label: "vertex paths", values: of("vertex_paths"), colour: "#d55e00" },
+        { label: "edge paths", values: of("edge_paths"), colour: "#e69f00" },
+        { label: "centroid paths", values: of("centroid_paths"), colour: "#f0e442" },
+        { label: "vertex-face", values: of("vertex_faces"), colour: "#009e73" },
+        { label: "edge-edge", values: of("edge_edges"), colour: "#56b4e9" },
+        { label: "colliders", values: of("collider_contacts"), colour: "#999999" },
+      ],
+    },
+    {
+      title: "energy, speed",
+      stacked: false,
+      lines: [
+        { label: "kinetic [J]", values: of("kinetic_energy"), colour: "#009e73" },
+        { label: "fastest [m/s]", values: of("fastest"), colour: "#e69f00" },
+      ],
+    },
+  ];
+}
+
+/// Each line on top of those before it.
+export function stack(lines: Line[]): number[][] {
+  const sums: number[][] = [];
+  for (const line of lines) sums.push(line.values.map((x, i) => x + (sums.length ? sums[sums.length - 1][i] : 0)));
+  return sums;
+}
+
+function shortTicks(_: uPlot, ticks: number[]): string[] {
+  return ticks.map((x) => (x >= 1e6 ? `${x / 1e6}M` : x >= 1e3 ? `${x / 1e3}k` : `${x}`));
+}
+
+function fromZero(_: uPlot, __: number, most: number): [number, number] {
+  return [0, most > 0 ? 1.05 * most : 1];
+}
+
+/// Charts under the picture, with a line at the pose that is shown; a click goes there.
+export class Charts {
+  private plots: uPlot[] = [];
+  private pose = 0;
+
+  constructor(
+    private parent: HTMLElement,
+    private head: Head,
+    private goTo: (pose: number) => void,
+  ) {
+    parent.hidden = false;
+    this.build();
+    new ResizeObserver(() => this.resize()).observe(parent);
+  }
+
+  build(): void {
+    for (const plot of this.plots) plot.destroy();
+    this.parent.replaceChildren();
+    this.plots = chartsOf(this.head).map((chart) => this.plot(chart));
+    this.showPose(this.pose);
+  }
+
+  private width(): number {
+    return Math.max(220, this.parent.clientWidth / Math.max(1, this.plots.length || 4) - 8);
+  }
+
+  private resize(): void {
+    for (const plot of this.plots) plot.setSize({ width: this.width(), height: 120 });
+  }
+
+  private plot(chart: Chart): uPlot {
+    const ink = getComputedStyle(document.documentElement).getPropertyValue("--ink").trim() || "#333333";
+    const faint = { stroke: "#88888833", width: 1 };
+    const values = chart.stacked ? stack(chart.lines) : chart.lines.map((line) => line.values);
+    const series = chart.lines.map((line, i) => ({
+      label: line.label,
+      stroke: line.colour,
+      fill: chart.stacked ? line.colour : undefined,
+      width: chart.stacked ? 0 : 1.5,
+      scale: chart.stacked || i === 0 ? "y" : `y${i}`,
+      points: { show: false },
+      // The value of the line, not of the stack.
+      value: (_: uPlot, __: number, ___: number, at: number | null) =>
+        at === null ? "" : String(Number(line.values[at].toPrecision(4))),
+    }));
+    // The highest sum is drawn first, so that each band stays to be seen.
+    if (chart.stacked) {
+      series.reverse();
+      values.reverse();
+    }
+    const options: uPlot.Options = {
+      width: this.width(),
+      height: 120,
+      title: chart.title,
+      cursor: { drag: { x: false, y: false }, y: false },
+      scales: {
+        x: { time: false },
+        // From zero, so that heights can be compared.
+        ...Object.fromEntries(chart.lines.map((_, i) => [chart.stacked || i === 0 ? "y" : `y${i}`, { range: fromZero }])),
+      },
+      legend: { live: true },
+      axes: [
+        { stroke: ink, grid: faint, ticks: faint, size: 30, font: "10px sans-serif", space: 50 },
+        { stroke: ink, grid: faint, ticks: faint, size: 36, font: "10px sans-serif", space: 24, values: shortTicks },
+      ],
+      series: [{ label: "frame" }, ...series],
+      hooks: { draw: [(plot) => this.drawLine(plot, ink)] },
+    };
+    const plot = new uPlot(options, [this.head.frames!, ...values] as uPlot.AlignedData, this.parent);
+    plot.over.addEventListener("click", () => {
+      if (plot.cursor.idx !== null && plot.cursor.idx !== undefined) this.goTo(plot.cursor.idx);
+    });
+    return plot;
+  }
+
+  private drawLine(plot: uPlot, ink: string): void {
+    const x = plot.valToPos(this.head.frames![this.pose], "x", true);
+    plot.ctx.save();
+    plot.ctx.strokeStyle = ink;
+    plot.ctx.lineWidth = Math.max(1, window.devicePixelRatio);
+    plot.ctx.beginPath();
+    plot.ctx.moveTo(x, plot.bbox.top);
+    plot.ctx.lineTo(x, plot.bbox.top + plot.bbox.height);
+    plot.ctx.stroke();
+    plot.ctx.restore();
+  }
+
+  showPose(pose: number): void {
+    this.pose = pose;
+    for (const plot of this.plots) {
+      plot.redraw(false, false);
+      plot.setLegend({ idx: pose }, false);
+    }
+  }
+}
