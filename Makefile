@@ -77,7 +77,7 @@ sanitize: sanitize-memory sanitize-threads
 
 # FLOORS="bvh mesh": the tests of these floors alone.
 sanitize-memory: FLOORS ?= core geometry mesh bvh io shapes boundary_path self_collision surface_distance contact \
-                           elasticity simulation untangling scene picture page cli
+                           elasticity simulation untangling scene picture page export cli
 sanitize-memory:
 	$(INSTALL) build test sanitize
 	$(CONFIGURE) --preset asan

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "page/page.h"
-#include "page/shown_surface.h"
+#include "page/page_surface.h"
 
 #include <array>
 

@@ -1,14 +1,13 @@
 #include "page/run_page.h"
 
-#include "io/whole_file.h"
 #include "page/encoding.h"
 #include "page/marks.h"
 #include "page/page.h"
+#include "page/page_surface.h"
 #include "page/pose_blocks.h"
-#include "page/shown_surface.h"
+#include "scene/reading/stored_run.h"
 #include "scene/statistics_table.h"
 #include "selvage/core/error.h"
-#include "selvage/scene/frames.h"
 
 #include <fmt/format.h>
 
@@ -21,66 +20,11 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kRemedy = "run the scene anew";
-
-/// The files of a run that all frames share, checked against each other.
-struct Run {
-  fs::path folder;
-  TopologyFile topology;
-  std::int64_t last_frame = 0;
-  std::vector<FrameStatistics> rows;
-  Json scene, summary;  ///< null where the folder has none
-
-  explicit Run(const fs::path& path);
-  std::vector<Vec3> read_positions(const fs::path& path) const;
-};
-
-void check_surface(const fs::path& path, const TopologyFile& topology) {
-  const auto in_range = [&](Index v) { return v >= 0 && v < topology.header.vertices; };
-  for (const auto& face : topology.boundary_faces)
-    if (!std::all_of(face.begin(), face.end(), in_range))
-      throw Error(path.string(), "has a face of no vertex", kRemedy);
-  for (const auto& element : topology.elements)
-    if (!std::all_of(element.begin(), element.end(), in_range))
-      throw Error(path.string(), "has an element of no vertex", kRemedy);
-}
-
-/// A JSON file of the run; null where there is none.
-Json read_json(const fs::path& path) {
-  if (!fs::exists(path)) return nullptr;
-  Json json = Json::parse(read_whole_file(path), nullptr, false);
-  if (!json.is_object()) throw Error(path.string(), "is no JSON of a run", kRemedy);
-  return json;
-}
-
-Run::Run(const fs::path& path) : folder(path) {
-  if (!fs::exists(topology_path(folder)))
-    throw Error(folder.string(), "holds no run: there is no topology.bin", "name the folder given to simulate -o");
-  topology = read_topology(topology_path(folder));
-  check_surface(topology_path(folder), topology);
-  if (!fs::exists(checkpoint_path(folder)))
-    throw Error(checkpoint_path(folder).string(), "is missing: the run has no whole frame", "run the scene further");
-  last_frame = read_checkpoint(checkpoint_path(folder)).header.frame;
-  const fs::path statistics = folder / "statistics.csv";
-  rows = parse_statistics(read_whole_file(statistics), statistics.string(), last_frame);
-  scene = read_json(scene_path(folder));
-  summary = read_json(folder / "summary.json");
-}
-
-std::vector<Vec3> Run::read_positions(const fs::path& path) const {
-  FrameFile frame = read_frame(path);
-  if (frame.header.fingerprint != topology.header.fingerprint || frame.header.vertices != topology.header.vertices)
-    throw Error(path.string(), "is of another run than topology.bin", kRemedy);
-  for (const Vec3& p : frame.positions)
-    if (!p.allFinite()) throw Error(path.string(), "has a position that is not finite", kRemedy);
-  return std::move(frame.positions);
-}
-
 std::string count_of(std::int64_t count, std::string_view one, std::string_view many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
-void add_warnings(Page& page, const Run& run) {
+void add_warnings(Page& page, const StoredRun& run) {
   const FrameStatistics &first = run.rows.front(), &last = run.rows.back();
   if (run.summary.is_object() && run.summary.contains("message"))
     page.add_warning(fmt::format("The run stopped: {}", run.summary["message"].get<std::string>()));
@@ -102,7 +46,7 @@ void add_warnings(Page& page, const Run& run) {
                                  count_of(last.inverted_elements, "element is", "elements are"), last.flat_elements));
 }
 
-void add_statistics(Page& page, const Run& run) {
+void add_statistics(Page& page, const StoredRun& run) {
   Json columns = Json::array(), rows = Json::array();
   const std::string header = statistics_header();
   for (std::size_t at = 0; at < header.size();) {
@@ -125,7 +69,7 @@ void add_statistics(Page& page, const Run& run) {
   page.head()["statistics"] = {{"columns", std::move(columns)}, {"rows", std::move(rows)}};
 }
 
-void add_bodies(Page& page, const Run& run, const ShownSurface& surface) {
+void add_bodies(Page& page, const StoredRun& run, const ShownSurface& surface) {
   std::vector<std::int32_t> bodies;
   for (const Index v : surface.vertices) bodies.push_back(run.topology.vertex_bodies[static_cast<std::size_t>(v)]);
   page.add_block("bodies", pack_integers(bodies, 1));
@@ -137,30 +81,23 @@ void add_bodies(Page& page, const Run& run, const ShownSurface& surface) {
   page.add_block("rest", {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(float)});
 }
 
-std::vector<std::int64_t> frames_shown(std::int64_t last, std::int64_t every) {
-  std::vector<std::int64_t> frames;
-  for (std::int64_t frame = 0; frame <= last; frame += every) frames.push_back(frame);
-  if (frames.back() != last) frames.push_back(last);
-  return frames;
-}
-
 /// Poses and what is marked in them.
 class RunPoses {
  public:
-  RunPoses(const Run& run, const ShownSurface& surface, const RunPageOptions& options)
-      : run_(run), surface_(surface), options_(options), frames_(frames_shown(run.last_frame, options.every)) {}
+  RunPoses(const StoredRun& run, const ShownSurface& surface, const RunPageOptions& options)
+      : run_(run), surface_(surface), options_(options), frames_(run.frames(options.every)) {}
 
   void add_to(Page& page) {
     PoseBox box;
     for (const std::int64_t frame : frames_) {
-      const auto positions = run_.read_positions(frame_path(run_.folder, frame));
+      const auto positions = run_.read_frame_positions(frame);
       for (const Index v : surface_.vertices) box.add(positions[static_cast<std::size_t>(v)]);
     }
     PoseBlocks poses(page, surface_, box);
     std::int64_t most_pairs = 0;
     for (std::size_t i = 0; i < frames_.size(); ++i) {
       const auto& row = run_.rows[static_cast<std::size_t>(frames_[i])];
-      const auto positions = run_.read_positions(frame_path(run_.folder, frames_[i]));
+      const auto positions = run_.read_frame_positions(frames_[i]);
       poses.add(positions, row.time);
       if (options_.marks && row.penetrating_vertices + row.triangle_pairs > 0)
         add_marks(page, surface_, i, find_marks(positions));
@@ -188,7 +125,7 @@ class RunPoses {
     return finder_->find(positions);
   }
 
-  const Run& run_;
+  const StoredRun& run_;
   const ShownSurface& surface_;
   const RunPageOptions& options_;
   std::vector<std::int64_t> frames_;
@@ -199,10 +136,9 @@ class RunPoses {
 }  // namespace
 
 std::string print_run_page(const fs::path& folder, const RunPageOptions& options) {
-  const Run run(folder);
+  const StoredRun run(folder);
   const ShownSurface surface(static_cast<std::size_t>(run.topology.header.vertices), run.topology.boundary_faces);
-  const std::string name = run.scene.is_object() ? run.scene.value("scene", std::string()) : std::string();
-  Page page("run", name.empty() ? folder.lexically_normal().filename().string() : name);
+  Page page("run", run.name());
   for (const auto& [group, fact, value] : options.facts) page.add_fact(group, fact, value);
   add_warnings(page, run);
   add_surface(page, surface);

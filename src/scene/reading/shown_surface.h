@@ -1,6 +1,5 @@
 #pragma once
 
-#include "page/page.h"
 #include "selvage/core/types.h"
 
 #include <vector>
@@ -15,8 +14,5 @@ struct ShownSurface {
 
   ShownSurface(std::size_t vertex_count, std::span<const VertexTuple<3>> surface);
 };
-
-/// Puts the surface in the page: blocks `triangles` and `vertices`, and its counts.
-void add_surface(Page& page, const ShownSurface& surface);
 
 }  // namespace selvage
