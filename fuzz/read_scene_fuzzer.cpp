@@ -1,6 +1,6 @@
 // libFuzzer target: whatever the bytes, a scene is understood at each of its scales, or refused by an Error of one
 // line.
-#include "scene/scene_description.h"
+#include "scene/description/scene_description.h"
 #include "selvage/core/error.h"
 
 #include <cstdlib>

@@ -2,8 +2,8 @@
 
 #include "contact/closest_rules.h"
 #include "contact/impact_contacts.h"
-#include "contact/inverted_vertices.h"
-#include "contact/obstacles.h"
+#include "contact/input/inverted_vertices.h"
+#include "contact/input/obstacles.h"
 #include "contact/path_contact.h"
 #include "contact/penetration_search.h"
 #include "contact/tangles.h"
@@ -69,7 +69,7 @@ struct ContactFinder::Impl {
   bool has_begun = false;  ///< any step
 
   Impl(const TetMesh& m, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
-        std::span<const Index> vertex_objects, ContactOptions o, std::span<const VertexTuple<3>> obstacles);
+       std::span<const Index> vertex_objects, ContactOptions o, std::span<const VertexTuple<3>> obstacles);
 
   /// With the obstacles'.
   Index vertex_count() const { return surface.vertex_count(); }
@@ -102,8 +102,8 @@ struct ContactFinder::Impl {
 };
 
 ContactFinder::Impl::Impl(const TetMesh& m, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
-                            std::span<const Index> vertex_objects, ContactOptions o,
-                            std::span<const VertexTuple<3>> obstacles)
+                          std::span<const Index> vertex_objects, ContactOptions o,
+                          std::span<const VertexTuple<3>> obstacles)
     : mesh(m), options(o), surface(surface_with_obstacles(m, obstacles, positions.size())) {
   check_positions<3>(positions, vertex_count());
   if (!vertex_objects.empty() && std::ssize(vertex_objects) != mesh.vertex_count())
@@ -175,7 +175,7 @@ std::vector<PenetratingPoint> ContactFinder::Impl::find_boundary_points(std::spa
 
 /// Inner vertices and centroids, each with all elements that hold it and share no vertex with it.
 void ContactFinder::Impl::append_interior_points(std::span<const Vec3> positions,
-                                                  std::vector<PenetratingPoint>& points) const {
+                                                 std::vector<PenetratingPoint>& points) const {
   const PenetrationSearch::Interior interior = search->find_interior();
   for (const auto& [vertex, element] : interior.vertices)
     points.push_back(penetrating_vertex(vertex, element, positions));
@@ -189,7 +189,7 @@ void ContactFinder::Impl::place(std::span<const Vec3> positions) {
 }
 
 std::vector<BoundaryPath<3>> ContactFinder::Impl::find_ways_out(std::span<const PenetratingPoint> points,
-                                                                 std::span<const Vec3> positions) {
+                                                                std::span<const Vec3> positions) {
   std::vector<PathQuery<3>> queries;
   for (const PenetratingPoint& point : points) queries.push_back(point.query);
   if (rest_pose) return rest_pose->find(queries, of_mesh(positions));
@@ -232,7 +232,7 @@ std::vector<std::uint8_t> ContactFinder::Impl::leave_out_waiting(std::vector<Pen
 }
 
 void ContactFinder::Impl::append_ways_out(std::span<const Vec3> positions, std::vector<PenetratingPoint>& points,
-                                           std::vector<Contact>& contacts) {
+                                          std::vector<Contact>& contacts) {
   std::vector<std::uint8_t> waits = leave_out_waiting(points);
   if (euclidean) euclidean->place(positions);
   const std::vector<BoundaryPath<3>> found = find_ways_out(points, positions);
@@ -332,7 +332,7 @@ StepImpacts ContactFinder::Impl::find_untangled_impacts(std::span<const Vec3> po
 }
 
 void ContactFinder::Impl::append_contacts(const StepImpacts& found, std::span<const Vec3> positions,
-                                           std::vector<Contact>& contacts) const {
+                                          std::vector<Contact>& contacts) const {
   const std::size_t first = contacts.size();
   const SurfaceStep step{surface, positions_t0, positions};
   const auto& [vertex_face, edge_edge] = found.pairs;

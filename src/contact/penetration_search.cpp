@@ -2,7 +2,7 @@
 
 #include "boundary_path/injectivity/star_proof.h"
 #include "contact/edge_part.h"
-#include "contact/obstacles.h"
+#include "contact/input/obstacles.h"
 #include "contact/path_contact.h"
 #include "core/parallel.h"
 #include "mesh/simplex_corners.h"

@@ -5,8 +5,8 @@
 #include "page/page.h"
 #include "page/page_surface.h"
 #include "page/pose_blocks.h"
+#include "scene/files/statistics_table.h"
 #include "scene/reading/stored_run.h"
-#include "scene/statistics_table.h"
 #include "selvage/core/error.h"
 
 #include <fmt/format.h>

@@ -1,8 +1,8 @@
 #include "scene/run_folder.h"
 
 #include "io/whole_file.h"
-#include "scene/scene_json.h"
-#include "scene/statistics_table.h"
+#include "scene/files/scene_json.h"
+#include "scene/files/statistics_table.h"
 #include "selvage/core/error.h"
 #include "selvage/io/mesh_file.h"
 #include "selvage/io/vtu.h"

@@ -1,8 +1,8 @@
 #include "selvage/scene/scene.h"
 
 #include "io/whole_file.h"
+#include "scene/description/scene_description.h"
 #include "scene/fingerprint.h"
-#include "scene/scene_description.h"
 #include "selvage/core/error.h"
 #include "selvage/geometry/predicates.h"
 #include "selvage/io/mesh_file.h"

@@ -1,4 +1,4 @@
-#include "scene/scene_description.h"
+#include "scene/description/scene_description.h"
 #include "selvage/core/error.h"
 #include "simulation/colliders/prepared_collider.h"
 

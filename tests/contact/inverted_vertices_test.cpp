@@ -1,4 +1,4 @@
-#include "contact/inverted_vertices.h"
+#include "contact/input/inverted_vertices.h"
 
 #include <gtest/gtest.h>
 

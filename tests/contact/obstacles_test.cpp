@@ -73,8 +73,8 @@ TEST(Obstacles, AnEdgeThatRunsIntoAnEdgeMeetsIt) {
   }
   ContactFinder finder(s.mesh, {}, t0, {}, {}, s.triangles);
   const auto contacts = contacts_of(finder, t0, t1);
-  EXPECT_TRUE(std::any_of(contacts.begin(), contacts.end(),
-                          [](const Contact& c) { return c.kind == ContactKind::kEdgeEdge; }));
+  EXPECT_TRUE(
+      std::any_of(contacts.begin(), contacts.end(), [](const Contact& c) { return c.kind == ContactKind::kEdgeEdge; }));
 }
 
 TEST(Obstacles, DoNotMeetOneAnotherNorVerticesOfTheMesh) {

@@ -19,9 +19,10 @@ set(rooms_of_boundary_path input traversal injectivity location search packets)
 set(rooms_of_self_collision surface culling discrete/continuous)
 set(rooms_of_simulation colliders crossings time_step xpbd implicit newton/vbd)
 set(rooms_of_untangling solids)
-set(rooms_of_scene reading)
+set(rooms_of_scene description files reading)
+set(rooms_of_contact input)
 # Floors whose own folder lies below their rooms: a room may include what lies there, and not the reverse.
-set(floors_below_rooms geometry core io shapes elasticity simulation scene)
+set(floors_below_rooms geometry core io shapes elasticity simulation)
 set(simd_folder src/core/simd)
 set(parallel_header src/core/parallel.h)
 

@@ -1,7 +1,7 @@
 // The scenes that a user would write first, at a small size, with their default settings.
 #include "io/whole_file.h"
+#include "scene/description/json_value.h"
 #include "scene/frame_measures.h"
-#include "scene/json_value.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #include "selvage/scene/frames.h"
 
-#include "scene/statistics_table.h"
+#include "scene/files/statistics_table.h"
 #include "selvage/core/error.h"
 #include "selvage/shapes/shapes.h"
 #include "temporary_folder.h"

@@ -1,5 +1,5 @@
 #include "io/whole_file.h"
-#include "scene/scene_description.h"
+#include "scene/description/scene_description.h"
 #include "selvage/boundary_path/boundary_path.h"
 #include "selvage/scene/scene.h"
 #include "test_scale.h"

@@ -1,6 +1,6 @@
 // The scenes at a small size, for as many frames as it takes until what they show has happened.
 #include "io/whole_file.h"
-#include "scene/json_value.h"
+#include "scene/description/json_value.h"
 #include "scene/scene_solver.h"
 #include "selvage/boundary_path/boundary_path.h"
 #include "selvage/scene/run.h"

@@ -78,8 +78,8 @@ struct RunOptions {
   std::int64_t check_every = 0;                       ///< checks/frame_000000.json after so many frames; 0: never
   /// Called after each frame, and once with the frame that the run begins or continues from.
   std::function<void(const FrameStatistics&)> on_frame{};
-  /// Called after each step, and after each check of a frame. What one of these functions throws ends the run and leaves
-  /// run_scene(); the folder then is that of a run that was killed, and `resume` continues it.
+  /// Called after each step, and after each check of a frame. What one of these functions throws ends the run and
+  /// leaves run_scene(); the folder then is that of a run that was killed, and `resume` continues it.
   std::function<void(const StepProgress&)> on_step{};
   std::function<void(std::int64_t frame, const Crossings&)> on_check{};
 };

@@ -1,7 +1,7 @@
 #include "scene/reading/stored_run.h"
 
 #include "io/whole_file.h"
-#include "scene/statistics_table.h"
+#include "scene/files/statistics_table.h"
 #include "selvage/core/error.h"
 
 #include <algorithm>

@@ -227,8 +227,7 @@ void Builder::add_shape(const MeshCollider& collider) {
 
   std::vector<Index> vertices(collider.positions().size(), kNone);
   const auto vertex = [&](Index v) {
-    if (vertices[v] == kNone)
-      vertices[v] = point(inset.move_inward(collider.positions()[v], mesh.vertex_triangles(v)));
+    if (vertices[v] == kNone) vertices[v] = point(inset.move_inward(collider.positions()[v], mesh.vertex_triangles(v)));
     return vertices[v];
   };
   // Of each edge the points that divide it, from its first vertex to its second.

@@ -15,8 +15,8 @@ namespace selvage {
 inline constexpr double kContactStiffness = 20;
 
 /// Contacts of a step: bodies with one another, with themselves, and with edges and corners of colliders, which stay
-/// where they are at its end. By CCD a point is kept as far in front of the surface as it was, up to kContactGap; by DCD
-/// it is sent out by its largest correction at most.
+/// where they are at its end. By CCD a point is kept as far in front of the surface as it was, up to kContactGap; by
+/// DCD it is sent out by its largest correction at most.
 void append_contact_terms(TimeStep& time_step, const IncrementalPotential& potential, std::vector<OffsetTerm>& terms);
 
 /// Vertices that are inside colliders at x, each kept in front of the plane of its way out. One that starts the step

@@ -56,7 +56,8 @@ class TimeStep {
   std::span<const Contact> contacts() const { return contacts_; }
   /// Of those of contact_vertices() that are colliders' [m/s].
   std::span<const Vec3> collider_velocities() const {
-    return obstacles_.positions.empty() ? std::span<const Vec3>() : std::span(start_velocities_).subspan(vertex_count());
+    return obstacles_.positions.empty() ? std::span<const Vec3>()
+                                        : std::span(start_velocities_).subspan(vertex_count());
   }
   /// Of two bodies, or of a body with a collider.
   const Friction& friction_of(const Contact& contact) const;

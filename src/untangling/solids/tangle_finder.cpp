@@ -1,6 +1,6 @@
 #include "untangling/solids/tangle_finder.h"
 
-#include "contact/inverted_vertices.h"
+#include "contact/input/inverted_vertices.h"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "scene/json_value.h"
+#include "scene/description/json_value.h"
 #include "selvage/scene/scene.h"
 #include "selvage/shapes/poses.h"
 #include "selvage/shapes/shapes.h"

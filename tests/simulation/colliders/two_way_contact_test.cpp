@@ -2,7 +2,7 @@
 #include "random.h"
 #include "selvage/boundary_path/boundary_path.h"
 #include "simulation/bodies.h"
-#include "simulation/colliders.h"
+#include "simulation/colliders/colliders.h"
 #include "test_scale.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "contact/inverted_vertices.h"
+#include "contact/input/inverted_vertices.h"
 
 #include "core/parallel.h"
 #include "mesh/simplex_corners.h"

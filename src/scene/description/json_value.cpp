@@ -1,4 +1,4 @@
-#include "scene/json_value.h"
+#include "scene/description/json_value.h"
 
 #include "selvage/core/error.h"
 

@@ -4,7 +4,7 @@
 #include "selvage/geometry/distance.h"
 #include "selvage/mesh/triangle_mesh.h"
 #include "simulation/bodies.h"
-#include "simulation/colliders.h"
+#include "simulation/colliders/colliders.h"
 #include "test_scale.h"
 
 #include <gtest/gtest.h>
@@ -50,8 +50,8 @@ void expect_just_below(std::span<const PreparedCollider> shapes, const ObstacleS
   ASSERT_EQ(surface.positions.size(), surface.collider_of_vertices.size());
   std::vector<std::uint8_t> is_used(surface.positions.size(), 0);
   for (const auto& t : surface.triangles) {
-    for (const Vec3& p : {surface.positions[t[0]], surface.positions[t[1]], surface.positions[t[2]],
-                          centroid(surface, t)})
+    for (const Vec3& p :
+         {surface.positions[t[0]], surface.positions[t[1]], surface.positions[t[2]], centroid(surface, t)})
       EXPECT_GT(depth_in(shapes, p), 0) << p.transpose();
     for (const Index v : t) {
       is_used[v] = 1;
@@ -61,7 +61,8 @@ void expect_just_below(std::span<const PreparedCollider> shapes, const ObstacleS
     ASSERT_GT(normal.norm(), 0);
     const Vec3 step = max_depth / 32 * normal.normalized();
     EXPECT_LE(steps_out(shapes, centroid(surface, t), step), steps_out(shapes, centroid(surface, t), -step))
-        << shapes[0].shape.index() << ' ' << centroid(surface, t).transpose() << " normal " << normal.normalized().transpose() << " depth " << max_depth;
+        << shapes[0].shape.index() << ' ' << centroid(surface, t).transpose() << " normal "
+        << normal.normalized().transpose() << " depth " << max_depth;
   }
   EXPECT_EQ(std::count(is_used.begin(), is_used.end(), 0), 0);
 }
@@ -148,8 +149,8 @@ TEST(ObstacleSurface, IsBoundedForTinyElements) {
 }
 
 TEST(ObstacleSurface, ElementSizeIsThatOfTheFinestBody) {
-  const Model model = bodies::make(std::array{make_box(Vec3(1, 1, 1), 0.5), make_box(Vec3(1, 1, 1), 0.25)},
-                                   bodies::neo_hookean(1e5));
+  const Model model =
+      bodies::make(std::array{make_box(Vec3(1, 1, 1), 0.5), make_box(Vec3(1, 1, 1), 0.25)}, bodies::neo_hookean(1e5));
   const Model fine = bodies::make(make_box(Vec3(1, 1, 1), 0.25), bodies::neo_hookean(1e5));
   EXPECT_NEAR(element_size_of(model), element_size_of(fine), 1e-12);
   EXPECT_NEAR(element_size_of(fine), 0.31, 0.04) << "edges of cells, and diagonals";

@@ -1,4 +1,4 @@
-#include "scene/statistics_table.h"
+#include "scene/files/statistics_table.h"
 
 #include "selvage/core/error.h"
 

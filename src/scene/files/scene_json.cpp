@@ -1,4 +1,4 @@
-#include "scene/scene_json.h"
+#include "scene/files/scene_json.h"
 
 #include <nlohmann/json.hpp>
 

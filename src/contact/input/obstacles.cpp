@@ -1,4 +1,4 @@
-#include "contact/obstacles.h"
+#include "contact/input/obstacles.h"
 
 #include "selvage/core/error.h"
 

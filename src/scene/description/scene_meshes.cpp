@@ -1,5 +1,5 @@
 // Reads the sources of a scene's meshes, and their placement.
-#include "scene/scene_description.h"
+#include "scene/description/scene_description.h"
 
 #include <fmt/format.h>
 
