@@ -46,8 +46,8 @@ struct MeshShape {
 };
 
 /// A rigid obstacle or container that moves by its motion, whatever meets it. It keeps the vertices of bodies out of
-/// its shape, or inside for a container. A corner of the shape that is sharper than the elements near it can reach in
-/// between their vertices.
+/// its shape, or inside for a container; and its edges, corners and narrow round sides out of bodies, where contacts
+/// are searched for (DetectionMode).
 struct Collider {
   std::variant<PlaneShape, BoxContainer, Bowl, SphereShape, CylinderShape, MeshShape> shape;
   Motion motion{};

@@ -54,11 +54,6 @@ class TimeStep {
   std::span<StepVertex> contact_vertices() { return vertices_; }
   /// Of the last find_contacts().
   std::span<const Contact> contacts() const { return contacts_; }
-  /// Of those of contact_vertices() that are colliders' [m/s].
-  std::span<const Vec3> collider_velocities() const {
-    return obstacles_.positions.empty() ? std::span<const Vec3>()
-                                        : std::span(start_velocities_).subspan(vertex_count());
-  }
   /// Of two bodies, or of a body with a collider.
   const Friction& friction_of(const Contact& contact) const;
   /// Begun last. Its positions and velocities are those of contact_vertices().

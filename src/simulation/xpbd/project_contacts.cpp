@@ -109,27 +109,6 @@ void project_contacts(std::span<const Contact> contacts, const Step& step, std::
     project_contact(contacts[i], step, max_corrections, frictions[i], ejected, vertices);
 }
 
-void stop_separation(std::span<const Contact> contacts, std::span<const ContactFriction> frictions,
-                     std::span<StepVertex> vertices, std::span<const Vec3> collider_velocities,
-                     std::span<Vec3> velocities) {
-  const auto body_vertices = std::ssize(velocities);
-  const auto velocity = [&](Index v) -> const Vec3& {
-    return v < body_vertices ? velocities[v] : collider_velocities[v - body_vertices];
-  };
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    if (!(frictions[i].state.normal_sum > 0)) continue;
-    const Contact& contact = contacts[i];
-    double speed = 0;
-    for (int k = 0; k < contact.count; ++k)
-      speed += contact.weights[k] * contact.normal.dot(velocity(contact.vertices[k]));
-    const ContactSides sides(contact, vertices);
-    if (!(speed > 0) || !sides.can_move()) continue;
-    sides.visit_moves(-speed * contact.normal, [&](Index v, const Vec3& change) {
-      if (v < body_vertices) velocities[v] += change;
-    });
-  }
-}
-
 void push_apart(std::span<const Contact> contacts, const Push& push, std::span<StepVertex> vertices) {
   for (const Contact& contact : contacts) {
     const double gap = contact.normal.dot(offset_between(contact, vertices));

@@ -29,21 +29,6 @@ struct ContactFriction {
 void project_contacts(std::span<const Contact> contacts, const Step& step, std::span<const double> max_corrections,
                       std::span<ContactFriction> frictions, std::span<Vec3> ejected, std::span<StepVertex> vertices);
 
-/// Takes from velocities what contacts that have pushed in this step gave their points away from the surface. A
-/// position that is corrected gives a speed: a body that is sent out of another would fly off, and what rests would
-/// tremble, thrown from contact to contact. What the material then pushes apart is not held: its contact does not push.
-/// Momentum is kept.
-///
-/// @param vertices             (n_contact_vertices) at the end of the step
-/// @param velocities           (n_vertices) after the step [m/s]; updated
-/// @param collider_velocities  of the vertices that follow [m/s]
-///
-/// Source: Mueller et al. 2020, Detailed rigid body simulation with extended position based dynamics, section 3.6
-/// (restitution 0).
-void stop_separation(std::span<const Contact> contacts, std::span<const ContactFriction> frictions,
-                     std::span<StepVertex> vertices, std::span<const Vec3> collider_velocities,
-                     std::span<Vec3> velocities);
-
 /// How far points are pushed out of surfaces.
 struct Push {
   double clearance;       ///< to be in front of the surface [m]

@@ -84,10 +84,6 @@ struct XpbdSolver::Impl {
     }
     for (int round = 0; round < kMissedRounds && time_step.find_missed_contacts(); ++round) project();
     time_step.finish(state);
-    timed(statistics().seconds_projection, [&] {
-      stop_separation(time_step.contacts(), frictions, time_step.contact_vertices(), time_step.collider_velocities(),
-                      state.velocities);
-    });
   }
 };
 
