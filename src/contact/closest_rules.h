@@ -29,7 +29,7 @@ class EuclideanRule {
   /// Takes a new pose. O(n), parallel.
   void place(std::span<const Vec3> positions);
 
-  /// Whether the point of one object, or of an obstacle, is in an element of another.
+  /// Whether the point of one object, or of a collider, is in an element of another.
   bool applies_to(const PenetratingPoint& point) const;
 
   /// The closest point of the object that the query's element belongs to.

@@ -2,8 +2,8 @@
 
 #include "contact/closest_rules.h"
 #include "contact/impact_contacts.h"
+#include "contact/input/collider_triangles.h"
 #include "contact/input/inverted_vertices.h"
-#include "contact/input/obstacles.h"
 #include "contact/path_contact.h"
 #include "contact/penetration_search.h"
 #include "contact/tangles.h"
@@ -69,12 +69,12 @@ struct ContactFinder::Impl {
   bool has_begun = false;  ///< any step
 
   Impl(const TetMesh& m, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
-       std::span<const Index> vertex_objects, ContactOptions o, std::span<const VertexTuple<3>> obstacles);
+       std::span<const Index> vertex_objects, ContactOptions o, std::span<const VertexTuple<3>> colliders);
 
-  /// With the obstacles'.
+  /// With the colliders'.
   Index vertex_count() const { return surface.vertex_count(); }
   std::span<const Vec3> of_mesh(std::span<const Vec3> positions) const { return positions.first(mesh.vertex_count()); }
-  bool is_of_obstacle(Index vertex) const { return vertex >= mesh.vertex_count(); }
+  bool is_of_collider(Index vertex) const { return vertex >= mesh.vertex_count(); }
 
   bool uses_ccd() const {
     return !options.interior_points && (options.mode == DetectionMode::kCcd || options.mode == DetectionMode::kHybrid);
@@ -103,8 +103,8 @@ struct ContactFinder::Impl {
 
 ContactFinder::Impl::Impl(const TetMesh& m, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
                           std::span<const Index> vertex_objects, ContactOptions o,
-                          std::span<const VertexTuple<3>> obstacles)
-    : mesh(m), options(o), surface(surface_with_obstacles(m, obstacles, positions.size())) {
+                          std::span<const VertexTuple<3>> colliders)
+    : mesh(m), options(o), surface(surface_with_colliders(m, colliders, positions.size())) {
   check_positions<3>(positions, vertex_count());
   if (!vertex_objects.empty() && std::ssize(vertex_objects) != mesh.vertex_count())
     throw Error("vertex_objects", fmt::format("{} for {} vertices", vertex_objects.size(), mesh.vertex_count()),
@@ -168,7 +168,7 @@ std::vector<PenetratingPoint> ContactFinder::Impl::find_boundary_points(std::spa
       points.push_back(penetrating_vertex(search->vertex_of(p.feature), p.element, positions));
     }
     PenetratingPoint& point = points.back();
-    if (is_of_obstacle(point.vertices[0])) point.query = PathQuery<3>::at(point.query.point, p.element);
+    if (is_of_collider(point.vertices[0])) point.query = PathQuery<3>::at(point.query.point, p.element);
   }
   return points;
 }
@@ -268,7 +268,7 @@ StepImpacts ContactFinder::Impl::find_impacts(std::span<const Vec3> positions) {
   if (impacts) {
     impacts->update(positions_t0, positions);
   } else {
-    impacts.emplace(surface, positions_t0, positions, options_with_obstacles(mesh, surface));
+    impacts.emplace(surface, positions_t0, positions, options_with_colliders(mesh, surface));
   }
   StepImpacts found;
   ContinuousPairs& pairs = found.pairs;
@@ -300,7 +300,7 @@ void ContactFinder::Impl::mark_tangled() {
   };
   mark(inside_vertices);
   for (const Index e : inside_edges) mark(surface.edges()[e]);
-  // The triangles of an obstacle may be large: a crossing says nothing of all that their corners belong to.
+  // The triangles of a collider may be large: a crossing says nothing of all that their corners belong to.
   const auto bodies = static_cast<Index>(mesh.boundary_faces().size());
   for (const TrianglePair& pair : search->crossings()) {
     mark(surface.triangles()[pair.first]);
@@ -358,8 +358,8 @@ void ContactFinder::Impl::find_contacts(std::span<const Vec3> positions, std::ve
 
 ContactFinder::ContactFinder(const TetMesh& mesh, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
                              std::span<const Index> vertex_objects, ContactOptions options,
-                             std::span<const VertexTuple<3>> obstacles)
-    : impl_(std::make_unique<Impl>(mesh, rest_positions, positions, vertex_objects, options, obstacles)) {}
+                             std::span<const VertexTuple<3>> colliders)
+    : impl_(std::make_unique<Impl>(mesh, rest_positions, positions, vertex_objects, options, colliders)) {}
 ContactFinder::~ContactFinder() = default;
 ContactFinder::ContactFinder(ContactFinder&&) noexcept = default;
 ContactFinder& ContactFinder::operator=(ContactFinder&&) noexcept = default;

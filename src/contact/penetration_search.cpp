@@ -2,7 +2,7 @@
 
 #include "boundary_path/injectivity/star_proof.h"
 #include "contact/edge_part.h"
-#include "contact/input/obstacles.h"
+#include "contact/input/collider_triangles.h"
 #include "contact/path_contact.h"
 #include "core/parallel.h"
 #include "mesh/simplex_corners.h"
@@ -52,7 +52,7 @@ PenetrationSearch::PenetrationSearch(const TetMesh& mesh, const TriangleMesh& su
       positions_(positions.begin(), positions.end()),
       locator_(mesh, mesh_positions()),
       paths_(locator_, options),
-      collisions_(surface, positions, options_with_obstacles(mesh, surface)),
+      collisions_(surface, positions, options_with_colliders(mesh, surface)),
       is_suspect_(surface.triangle_count(), 0) {
   for (Index i = 0; i < vertex_count_; ++i) vertex_feature_[vertex_of(i)] = i;
   list_surface_pieces();
@@ -184,15 +184,15 @@ bool PenetrationSearch::holds_nothing(Index element) const {
 
 /// Vertices with each element that holds them and is not their own.
 std::vector<PointInside> PenetrationSearch::find_vertices(std::span<const Index> vertices) const {
-  std::vector<Index> of_mesh, of_obstacles;
-  for (const Index v : vertices) (v < mesh_.vertex_count() ? of_mesh : of_obstacles).push_back(v);
+  std::vector<Index> of_mesh, of_colliders;
+  for (const Index v : vertices) (v < mesh_.vertex_count() ? of_mesh : of_colliders).push_back(v);
   std::vector<PointInside> inside;
   for (const auto& query : locator_.locate_vertices(of_mesh)) inside.push_back({query.source[0], query.element});
-  if (!of_obstacles.empty()) append_obstacle_vertices(of_obstacles, inside);
+  if (!of_colliders.empty()) append_collider_vertices(of_colliders, inside);
   return inside;
 }
 
-void PenetrationSearch::append_obstacle_vertices(std::span<const Index> vertices,
+void PenetrationSearch::append_collider_vertices(std::span<const Index> vertices,
                                                  std::vector<PointInside>& inside) const {
   std::vector<Vec3> places;
   for (const Index v : vertices) places.push_back(positions_[v]);

@@ -19,10 +19,10 @@ struct PointInside {
   Index element;
 };
 
-/// Boundary vertices and edges of a mesh, and vertices and edges of obstacles, with a part inside an element that
+/// Boundary vertices and edges of a mesh, and vertices and edges of colliders, with a part inside an element that
 /// shares no vertex with them.
 ///
-/// Features are numbered: first boundary vertices in their order, then those of obstacles, then edges of the surface.
+/// Features are numbered: first boundary vertices in their order, then those of colliders, then edges of the surface.
 ///
 /// The search looks only near crossings of the boundary with itself. Take an edge with a part inside an element, and
 /// follow from there the material that lies in the same place: either it ends at the boundary, which the edge then
@@ -31,7 +31,7 @@ struct PointInside {
 /// vertices whose elements may overlap each other; these are added. See docs/how_it_works/contact.md.
 class PenetrationSearch {
  public:
-  /// @param surface     the boundary, then triangles of obstacles: their vertices follow those of the mesh
+  /// @param surface     the boundary, then triangles of colliders: their vertices follow those of the mesh
   /// @param positions   (surface.vertex_count())
   /// @param with_edges  whether edges are features, too
   /// @param joins_parts  whether an edge's parts in connected elements count as one; see middle_of_parts()
@@ -84,7 +84,7 @@ class PenetrationSearch {
   std::vector<Index> suspected_elements() const;
   bool holds_nothing(Index element) const;
   std::vector<PointInside> find_vertices(std::span<const Index> vertices) const;
-  void append_obstacle_vertices(std::span<const Index> vertices, std::vector<PointInside>& inside) const;
+  void append_collider_vertices(std::span<const Index> vertices, std::vector<PointInside>& inside) const;
   std::span<const Vec3> mesh_positions() const { return std::span(positions_).first(mesh_.vertex_count()); }
   std::vector<PointInside> find_centroids(std::span<const Index> elements) const;
   std::vector<Penetration> find_edges(std::span<const Index> edges, PenetrationCounters& counters) const;
@@ -94,7 +94,7 @@ class PenetrationSearch {
   const TriangleMesh& surface_;
   bool with_edges_, joins_parts_;
   Index boundary_count_ = 0;           ///< vertices on the boundary
-  Index vertex_count_ = 0;             ///< those, and the obstacles'
+  Index vertex_count_ = 0;             ///< those, and the colliders'
   std::vector<Index> vertex_feature_;  ///< per vertex: its number as a feature
   std::vector<Index> pieces_;          ///< a face of each connected piece of the surface
   std::vector<Vec3> positions_;

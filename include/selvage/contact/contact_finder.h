@@ -49,12 +49,12 @@ struct StepImpacts {
 };
 
 /// Contacts of a tetrahedral mesh with itself during a step: of its objects with one another and each with itself; and
-/// those of its faces, edges and elements with the vertices and edges of obstacles.
+/// those of its faces, edges and elements with the vertices and edges of colliders.
 ///
-/// Obstacles are surfaces that move as their positions say, whatever meets them; they do not meet one another. Their
+/// Colliders are surfaces that move as their positions say, whatever meets them; they do not meet one another. Their
 /// vertices follow those of the mesh in all positions. What is found: their vertices and edges inside elements, their
 /// vertices that run into faces, and their edges that run into edges. A vertex of the mesh that runs into a face of an
-/// obstacle is not: keep it out by the shape that the surface stands for.
+/// collider is not: keep it out by the shape that the surface stands for.
 ///
 /// A step is begin_step() with the positions that it starts from, then find_contacts() with those that the solver of
 /// the material proposes. Any sequence of positions is legal, tangled and inverted meshes too.
@@ -68,18 +68,18 @@ class ContactFinder {
  public:
   /// @param mesh            topology, all objects in one; must outlive the finder
   /// @param rest_positions  (n_vertices x 3) for ClosestPointRule::kRestPose; may be empty with the other rules [m]
-  /// @param positions       (n_vertices + n_obstacle_vertices) where the first step starts [m]; so for each step
+  /// @param positions       (n_vertices + n_collider_vertices) where the first step starts [m]; so for each step
   /// @param vertex_objects  (n_vertices) number of the object that each vertex belongs to, for
   ///                        ClosestPointRule::kEuclidean; empty: connected components
-  /// @param obstacles       triangles of obstacles, outward, on vertices from n_vertices on
-  /// @throws Error          when sizes differ, a position is not finite, the rule lacks what it needs, or an obstacle
+  /// @param colliders       triangles of colliders, outward, on vertices from n_vertices on
+  /// @throws Error          when sizes differ, a position is not finite, the rule lacks what it needs, or a collider
   ///                        has a vertex of the mesh
   ContactFinder(const TetMesh& mesh, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
                 std::span<const Index> vertex_objects = {}, ContactOptions options = {},
-                std::span<const VertexTuple<3>> obstacles = {});
+                std::span<const VertexTuple<3>> colliders = {});
   ContactFinder(const TetMesh&& mesh, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
                 std::span<const Index> vertex_objects = {}, ContactOptions options = {},
-                std::span<const VertexTuple<3>> obstacles = {}) = delete;
+                std::span<const VertexTuple<3>> colliders = {}) = delete;
   ~ContactFinder();
   ContactFinder(ContactFinder&&) noexcept;
   ContactFinder& operator=(ContactFinder&&) noexcept;
@@ -107,10 +107,10 @@ class ContactFinder {
   /// Of the last step.
   const ContactStatistics& statistics() const;
 
-  /// The boundary's faces, then the obstacles', and edges of both, by whose numbers contacts name them.
+  /// The boundary's faces, then the colliders', and edges of both, by whose numbers contacts name them.
   const TriangleMesh& surface() const;
 
-  /// Vertices and edges of the boundary and of obstacles that are inside an element at the start of the step,
+  /// Vertices and edges of the boundary and of colliders that are inside an element at the start of the step,
   /// ascending; for kHybrid.
   std::span<const Index> penetrating_vertices() const;
   std::span<const Index> penetrating_edges() const;

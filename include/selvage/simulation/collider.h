@@ -45,7 +45,7 @@ struct MeshShape {
   std::vector<VertexTuple<3>> triangles;
 };
 
-/// A rigid obstacle or container that moves by its motion, whatever meets it. It keeps the vertices of bodies out of
+/// A rigid solid or container that moves by its motion, whatever meets it. It keeps the vertices of bodies out of
 /// its shape, or inside for a container; and its edges, corners and narrow round sides out of bodies, where contacts
 /// are searched for (DetectionMode).
 struct Collider {

@@ -46,8 +46,8 @@ TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle>
   collider_states_.resize(vertex_count() * colliders_.size());
   max_corrections_ = max_corrections_of(model);
   if (options.contact.mode != DetectionMode::kOff)
-    obstacles_ = make_obstacle_surface(colliders_, element_size_of(model));
-  const std::size_t all = vertex_count() + obstacles_.positions.size();
+    collider_surface_ = make_collider_surface(colliders_, element_size_of(model));
+  const std::size_t all = vertex_count() + collider_surface_.positions.size();
   vertices_.resize(all);
   ejected_.resize(all, Vec3::Zero());
   max_corrections_.resize(all, std::numeric_limits<double>::infinity());
@@ -56,10 +56,11 @@ TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle>
   // CCD alone never finds again what it leaves out once.
   contact.wait_for_inverted = contact.mode != DetectionMode::kCcd;
   std::vector<Vec3> positions = initial.positions;
-  for (std::size_t i = 0; i < obstacles_.positions.size(); ++i)
-    positions.push_back(colliders_[obstacles_.collider_of_vertices[i]].motion.at(0)(obstacles_.positions[i]));
+  for (std::size_t i = 0; i < collider_surface_.positions.size(); ++i)
+    positions.push_back(
+        colliders_[collider_surface_.collider_of_vertices[i]].motion.at(0)(collider_surface_.positions[i]));
   contact_finder_.emplace(model.mesh, model.rest_positions, positions, bodies_of_vertices(model), contact,
-                          triangles_after(model.mesh.vertex_count(), obstacles_.triangles));
+                          triangles_after(model.mesh.vertex_count(), collider_surface_.triangles));
   candidate_.resize(all);
   if (contact.hold_back && contact.mode == DetectionMode::kHybrid && !contact.interior_points)
     gate_.emplace(model, static_cast<Index>(all));
@@ -79,14 +80,14 @@ void TimeStep::begin(const State& state, std::span<const Vec3> external_forces) 
   // Later a vertex starts inside only where two colliders press it from one into the other.
   may_start_inside_ = state.steps == 0 || std::any_of(handles_.begin(), handles_.end(),
                                                       [&](const Handle& handle) { return is_released(handle); });
-  if (!obstacles_.positions.empty()) place_obstacles(state);
+  if (!collider_surface_.positions.empty()) place_collider_surface(state);
   if (contact_finder_) contact_finder_->begin_step(step_.positions);
   predict(state, external_forces);
   place_handles();
 }
 
 /// Colliders' edges and corners, after the bodies' vertices.
-void TimeStep::place_obstacles(const State& state) {
+void TimeStep::place_collider_surface(const State& state) {
   start_positions_.assign(state.positions.begin(), state.positions.end());
   start_velocities_.assign(state.velocities.begin(), state.velocities.end());
   start_positions_.resize(vertices_.size());
@@ -94,11 +95,11 @@ void TimeStep::place_obstacles(const State& state) {
   std::vector<std::array<RigidTransform, 2>> ends;
   for (const PreparedCollider& collider : colliders_)
     ends.push_back({collider.motion.at(step_.start_time), collider.motion.at(step_.end_time)});
-  parallel_for(std::ssize(obstacles_.positions), kGrain, [&](std::int64_t i) {
+  parallel_for(std::ssize(collider_surface_.positions), kGrain, [&](std::int64_t i) {
     const auto v = static_cast<Index>(vertex_count() + i);
-    const auto& [from, to] = ends[obstacles_.collider_of_vertices[i]];
-    start_positions_[v] = from(obstacles_.positions[i]);
-    const Vec3 end = to(obstacles_.positions[i]);
+    const auto& [from, to] = ends[collider_surface_.collider_of_vertices[i]];
+    start_positions_[v] = from(collider_surface_.positions[i]);
+    const Vec3 end = to(collider_surface_.positions[i]);
     start_velocities_[v] = (end - start_positions_[v]) / step_.length();
     place(v, end, 0);
   });
@@ -109,7 +110,7 @@ void TimeStep::place_obstacles(const State& state) {
 const Friction& TimeStep::friction_of(const Contact& contact) const {
   const Index last = std::max(contact.vertices[0], contact.vertices[contact.count - 1]);
   if (last < vertex_count()) return options_.friction;
-  return colliders_[obstacles_.collider_of_vertices[last - vertex_count()]].friction;
+  return colliders_[collider_surface_.collider_of_vertices[last - vertex_count()]].friction;
 }
 
 /// Whether a handle holds its vertices in this step.
@@ -199,8 +200,9 @@ Carriers TimeStep::carriers() const {
     for (Index v = 0; v < vertex_count(); ++v)
       if (collider_states_[v * colliders_.size() + c].step == step_.number && carriers.of_vertex[v] == kNone)
         carriers.of_vertex[v] = carrier;
-    for (std::size_t i = 0; i < obstacles_.positions.size(); ++i)
-      if (obstacles_.collider_of_vertices[i] == static_cast<Index>(c)) carriers.of_vertex[vertex_count() + i] = carrier;
+    for (std::size_t i = 0; i < collider_surface_.positions.size(); ++i)
+      if (collider_surface_.collider_of_vertices[i] == static_cast<Index>(c))
+        carriers.of_vertex[vertex_count() + i] = carrier;
   }
   return carriers;
 }

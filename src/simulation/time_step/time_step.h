@@ -3,7 +3,7 @@
 #include "selvage/simulation/collider.h"
 #include "selvage/simulation/motion.h"
 #include "selvage/simulation/step.h"
-#include "simulation/colliders/obstacle_surface.h"
+#include "simulation/colliders/collider_surface.h"
 #include "simulation/colliders/project_colliders.h"
 #include "simulation/step.h"
 #include "simulation/time_step/step_gate.h"
@@ -74,7 +74,7 @@ class TimeStep {
   void place(Index v, const Vec3& position, double inverse_mass);
   void predict(const State& state, std::span<const Vec3> external_forces);
   void place_handles();
-  void place_obstacles(const State& state);
+  void place_collider_surface(const State& state);
   bool is_held(const Handle& handle) const;
   bool is_released(const Handle& handle) const;
   Vec3 depenetration_of(Index v) const;
@@ -87,7 +87,7 @@ class TimeStep {
   std::vector<Handle> handles_;
   std::vector<std::vector<Vec3>> handle_positions_;  ///< of the vertices of each at time 0
   std::vector<PreparedCollider> colliders_;
-  ObstacleSurface obstacles_;                    ///< of the colliders; none where the mode is kOff
+  ColliderSurface collider_surface_;             ///< of the colliders; none where the mode is kOff
   std::optional<ContactFinder> contact_finder_;  ///< none where the mode is kOff
   std::optional<StepGate> gate_;                 ///< none where nothing is held back
   bool no_impacts_ = false;                      ///< on the way to where vertices are now
@@ -97,7 +97,7 @@ class TimeStep {
   std::int64_t steps_begun_ = 0;
   std::int64_t state_steps_ = 0;                          ///< State::steps at the start of the step
   std::vector<StepVertex> vertices_;                      ///< (n_contact_vertices)
-  std::vector<Vec3> start_positions_, start_velocities_;  ///< (n_contact_vertices) where there are obstacles
+  std::vector<Vec3> start_positions_, start_velocities_;  ///< (n_contact_vertices) where there are colliders
   std::vector<Vec3> candidate_;  ///< (n_contact_vertices) end of the step as find_contacts() takes it
   std::vector<Contact> contacts_;
   std::vector<Vec3> ejected_;

@@ -1,4 +1,4 @@
-#include "simulation/colliders/obstacle_surface.h"
+#include "simulation/colliders/collider_surface.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +27,7 @@ class Builder {
  public:
   explicit Builder(double element_size) : size_(element_size) {}
 
-  ObstacleSurface take() { return std::move(surface_); }
+  ColliderSurface take() { return std::move(surface_); }
 
   void add(Index collider, const auto& shape) {
     add_shape(shape);
@@ -64,7 +64,7 @@ class Builder {
   double inset_of(double thickness) const { return std::min(kInset * size_, kThinInset * thickness); }
 
   double size_;
-  ObstacleSurface surface_;
+  ColliderSurface surface_;
 };
 
 /// The edge of the rim, with strips of the flat around it and of the wall below.
@@ -132,7 +132,7 @@ void Builder::add_shape(const SphereShape& sphere) {
 
 /// The edges of both ends and, of a narrow one, the side.
 void Builder::add_shape(const CylinderShape& cylinder) {
-  const auto [u, v] = across(cylinder.axis);
+  const Vec3 u = cylinder.axis.unitOrthogonal(), v = cylinder.axis.cross(u);
   const double inset = inset_of(std::min(cylinder.radius, cylinder.length));
   const double radius = cylinder.radius - inset, half = cylinder.length / 2 - inset;
   const int sides = sides_of(cylinder.radius);
@@ -294,7 +294,7 @@ double element_size_of(const Model& model) {
   return least;
 }
 
-ObstacleSurface make_obstacle_surface(std::span<const PreparedCollider> colliders, double element_size) {
+ColliderSurface make_collider_surface(std::span<const PreparedCollider> colliders, double element_size) {
   Builder builder(element_size);
   for (std::size_t c = 0; c < colliders.size() && element_size > 0; ++c)
     std::visit([&](const auto& shape) { builder.add(static_cast<Index>(c), shape); }, colliders[c].shape);

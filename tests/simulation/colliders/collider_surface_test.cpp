@@ -1,4 +1,4 @@
-#include "simulation/colliders/obstacle_surface.h"
+#include "simulation/colliders/collider_surface.h"
 
 #include "random.h"
 #include "selvage/geometry/distance.h"
@@ -28,10 +28,10 @@ double depth_in(std::span<const PreparedCollider> shapes, const Vec3& p) {
   return depth;
 }
 
-Vec3 centroid(const ObstacleSurface& surface, const VertexTuple<3>& t) {
+Vec3 centroid(const ColliderSurface& surface, const VertexTuple<3>& t) {
   return (surface.positions[t[0]] + surface.positions[t[1]] + surface.positions[t[2]]) / 3;
 }
-Vec3 area_normal(const ObstacleSurface& surface, const VertexTuple<3>& t) {
+Vec3 area_normal(const ColliderSurface& surface, const VertexTuple<3>& t) {
   const auto& x = surface.positions;
   return (x[t[1]] - x[t[0]]).cross(x[t[2]] - x[t[0]]);
 }
@@ -45,7 +45,7 @@ int steps_out(std::span<const PreparedCollider> shapes, const Vec3& from, const 
 }
 
 /// All points of the surface are inside the shapes, and no vertex is deeper than a bound; its triangles face outwards.
-void expect_just_below(std::span<const PreparedCollider> shapes, const ObstacleSurface& surface, double max_depth) {
+void expect_just_below(std::span<const PreparedCollider> shapes, const ColliderSurface& surface, double max_depth) {
   ASSERT_FALSE(surface.triangles.empty());
   ASSERT_EQ(surface.positions.size(), surface.collider_of_vertices.size());
   std::vector<std::uint8_t> is_used(surface.positions.size(), 0);
@@ -68,7 +68,7 @@ void expect_just_below(std::span<const PreparedCollider> shapes, const ObstacleS
 }
 
 /// Distance of a point from the nearest edge of the surface, whose length is at most a bound.
-double distance_from_edges(const ObstacleSurface& surface, const Vec3& p, double max_length) {
+double distance_from_edges(const ColliderSurface& surface, const Vec3& p, double max_length) {
   double nearest = HUGE_VAL;
   for (const auto& t : surface.triangles)
     for (int i = 0; i < 3; ++i) {
@@ -81,16 +81,16 @@ double distance_from_edges(const ObstacleSurface& surface, const Vec3& p, double
   return nearest;
 }
 
-TEST(ObstacleSurface, PlanesContainersAndWideRoundSidesHaveNone) {
+TEST(ColliderSurface, PlanesContainersAndWideRoundSidesHaveNone) {
   const double size = 0.1;
-  EXPECT_TRUE(make_obstacle_surface(prepared(PlaneShape{}), size).positions.empty());
-  EXPECT_TRUE(make_obstacle_surface(prepared(BoxContainer{Vec3(0, 0, 0), Vec3(1, 1, 1)}), size).positions.empty());
-  EXPECT_TRUE(make_obstacle_surface(prepared(SphereShape{Vec3(0, 0, 0), 1}), size).positions.empty());
-  EXPECT_FALSE(make_obstacle_surface(prepared(SphereShape{Vec3(0, 0, 0), 0.1}), size).positions.empty());
-  EXPECT_TRUE(make_obstacle_surface(prepared(SphereShape{Vec3(0, 0, 0), 0.1}), 0).positions.empty()) << "no body";
+  EXPECT_TRUE(make_collider_surface(prepared(PlaneShape{}), size).positions.empty());
+  EXPECT_TRUE(make_collider_surface(prepared(BoxContainer{Vec3(0, 0, 0), Vec3(1, 1, 1)}), size).positions.empty());
+  EXPECT_TRUE(make_collider_surface(prepared(SphereShape{Vec3(0, 0, 0), 1}), size).positions.empty());
+  EXPECT_FALSE(make_collider_surface(prepared(SphereShape{Vec3(0, 0, 0), 0.1}), size).positions.empty());
+  EXPECT_TRUE(make_collider_surface(prepared(SphereShape{Vec3(0, 0, 0), 0.1}), 0).positions.empty()) << "no body";
 }
 
-TEST(ObstacleSurface, LiesJustBehindTheShape) {
+TEST(ColliderSurface, LiesJustBehindTheShape) {
   Random random(test::seed(1));
   for (std::int64_t n = 0; n < test::scaled(60, 10); ++n) {
     const double size = std::pow(10.0, random.within(-2, 0.3));
@@ -100,18 +100,18 @@ TEST(ObstacleSurface, LiesJustBehindTheShape) {
     // A polygon cuts off a part of what is round.
     const double round = bound + 0.03 * size;
     const auto sphere = prepared(SphereShape{centre, radius});
-    if (radius < 6 * size) expect_just_below(sphere, make_obstacle_surface(sphere, size), round);
+    if (radius < 6 * size) expect_just_below(sphere, make_collider_surface(sphere, size), round);
     const auto cylinder = prepared(CylinderShape{centre, axis, radius, length});
-    expect_just_below(cylinder, make_obstacle_surface(cylinder, size), round);
+    expect_just_below(cylinder, make_collider_surface(cylinder, size), round);
     const Vec3 extent(radius, length, random.within(0.1, 1));
     const auto box = prepared(solid_box(centre, centre + extent));
-    expect_just_below(box, make_obstacle_surface(box, size), bound);
+    expect_just_below(box, make_collider_surface(box, size), bound);
   }
 }
 
-TEST(ObstacleSurface, OfABowlIsTheEdgeOfTheRim) {
+TEST(ColliderSurface, OfABowlIsTheEdgeOfTheRim) {
   const auto bowl = prepared(Bowl{Vec3(0.1, 0.2, 0.3), Vec3(0.2, -0.1, 1), 1.5});
-  const ObstacleSurface surface = make_obstacle_surface(bowl, 0.2);
+  const ColliderSurface surface = make_collider_surface(bowl, 0.2);
   for (const Vec3& p : surface.positions) EXPECT_GT(depth_in(bowl, p), 0);
   const auto& rim = std::get<Bowl>(bowl[0].shape);
   const Vec3 u = rim.axis.unitOrthogonal(), v = rim.axis.cross(u);
@@ -121,34 +121,34 @@ TEST(ObstacleSurface, OfABowlIsTheEdgeOfTheRim) {
   }
 }
 
-TEST(ObstacleSurface, FollowsTheEdgesOfABoxInPartsNoLongerThanAnElement) {
+TEST(ColliderSurface, FollowsTheEdgesOfABoxInPartsNoLongerThanAnElement) {
   const Vec3 lower(0, 0, 0), upper(3, 0.05, 1);
   const auto box = prepared(solid_box(lower, upper));
   const double size = 0.1;
-  const ObstacleSurface surface = make_obstacle_surface(box, size);
+  const ColliderSurface surface = make_collider_surface(box, size);
   for (const Vec3& p : edge_points(lower, upper, 50))
     EXPECT_LT(distance_from_edges(surface, p, 1.01 * size), 0.011 * size) << p.transpose();
 }
 
-TEST(ObstacleSurface, StaysInsideAThinPlateAndANeedle) {
+TEST(ColliderSurface, StaysInsideAThinPlateAndANeedle) {
   for (const double thickness : {1e-3, 1e-6, 1e-9}) {
     const auto plate = prepared(solid_box({0, 0, 0}, {1, 1, thickness}));
-    const ObstacleSurface surface = make_obstacle_surface(plate, 0.2);
+    const ColliderSurface surface = make_collider_surface(plate, 0.2);
     for (const Vec3& p : surface.positions) {
       EXPECT_GE(p[2], 0);
       EXPECT_LE(p[2], thickness * (1 + 1e-12));
     }
     const auto needle = prepared(CylinderShape{Vec3(0, 0, 0), Vec3(0, 0, 1), thickness, 1});
-    expect_just_below(needle, make_obstacle_surface(needle, 0.2), thickness);
+    expect_just_below(needle, make_collider_surface(needle, 0.2), thickness);
   }
 }
 
-TEST(ObstacleSurface, IsBoundedForTinyElements) {
+TEST(ColliderSurface, IsBoundedForTinyElements) {
   const auto wall = prepared(solid_box({0, 0, 0}, {1000, 1000, 1000}));
-  EXPECT_LT(make_obstacle_surface(wall, 1e-5).positions.size(), 2'000'000U);
+  EXPECT_LT(make_collider_surface(wall, 1e-5).positions.size(), 2'000'000U);
 }
 
-TEST(ObstacleSurface, ElementSizeIsThatOfTheFinestBody) {
+TEST(ColliderSurface, ElementSizeIsThatOfTheFinestBody) {
   const Model model =
       bodies::make(std::array{make_box(Vec3(1, 1, 1), 0.5), make_box(Vec3(1, 1, 1), 0.25)}, bodies::neo_hookean(1e5));
   const Model fine = bodies::make(make_box(Vec3(1, 1, 1), 0.25), bodies::neo_hookean(1e5));

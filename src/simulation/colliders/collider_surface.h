@@ -8,7 +8,7 @@ namespace selvage {
 /// What of colliders can reach in between the vertices of a body: their edges, corners and narrow round sides, as
 /// triangles for ContactFinder. Planes, boxes hollow inside and round sides that are wide against the bodies' elements
 /// have nothing of the kind: vertices that are kept out keep out all else.
-struct ObstacleSurface {
+struct ColliderSurface {
   std::vector<Vec3> positions;              ///< in the own coordinates of their colliders [m]
   std::vector<VertexTuple<3>> triangles;    ///< outward
   std::vector<Index> collider_of_vertices;  ///< (n_positions)
@@ -20,6 +20,6 @@ double element_size_of(const Model& model);
 /// The surface lies behind that of the colliders, by half a percent of the element size or less where a shape is thin:
 /// bodies whose vertices rest on a collider do not touch it. Edges are divided where they are longer than an element.
 /// O(n log n) for the triangles of colliders and the parts of their edges.
-ObstacleSurface make_obstacle_surface(std::span<const PreparedCollider> colliders, double element_size);
+ColliderSurface make_collider_surface(std::span<const PreparedCollider> colliders, double element_size);
 
 }  // namespace selvage

@@ -36,7 +36,7 @@ std::vector<Contact> contacts_of(ContactFinder& finder, const Positions& t0, con
   return contacts;
 }
 
-TEST(Obstacles, AVertexThatRunsIntoAFaceMeetsIt) {
+TEST(ColliderTriangles, AVertexThatRunsIntoAFaceMeetsIt) {
   const Setting s;
   const Vec3 below(0.3, 0.4, -0.1), above(0.3, 0.4, 0.1);
   ContactFinder finder(s.mesh, {}, s.with_tip(below), {}, {}, s.triangles);
@@ -50,7 +50,7 @@ TEST(Obstacles, AVertexThatRunsIntoAFaceMeetsIt) {
   EXPECT_LT(gap_of(*found, s.with_tip(above)), 0);
 }
 
-TEST(Obstacles, AVertexInsideIsSentOutByTheShortestPath) {
+TEST(ColliderTriangles, AVertexInsideIsSentOutByTheShortestPath) {
   const Setting s;
   const Positions inside = s.with_tip({0.3, 0.4, 0.05});
   ContactFinder finder(s.mesh, {}, inside, {}, {}, s.triangles);
@@ -63,7 +63,7 @@ TEST(Obstacles, AVertexInsideIsSentOutByTheShortestPath) {
   EXPECT_EQ(finder.penetrating_vertices()[0], s.first);
 }
 
-TEST(Obstacles, AnEdgeThatRunsIntoAnEdgeMeetsIt) {
+TEST(ColliderTriangles, AnEdgeThatRunsIntoAnEdgeMeetsIt) {
   const Setting s;
   // Past the box's upper edge at x = 1.
   Positions t0 = s.box.positions, t1 = s.box.positions;
@@ -77,7 +77,7 @@ TEST(Obstacles, AnEdgeThatRunsIntoAnEdgeMeetsIt) {
       std::any_of(contacts.begin(), contacts.end(), [](const Contact& c) { return c.kind == ContactKind::kEdgeEdge; }));
 }
 
-TEST(Obstacles, DoNotMeetOneAnotherNorVerticesOfTheMesh) {
+TEST(ColliderTriangles, DoNotMeetOneAnotherNorVerticesOfTheMesh) {
   const Setting s;
   std::vector<VertexTuple<3>> crossing = s.triangles;
   crossing.push_back({s.first + 3, s.first + 4, s.first + 5});
@@ -97,14 +97,14 @@ TEST(Obstacles, DoNotMeetOneAnotherNorVerticesOfTheMesh) {
   EXPECT_TRUE(contacts_of(wide, plate(-0.1), plate(2)).empty()) << "vertices through a face are not asked for";
 }
 
-TEST(Obstacles, WithoutAnyAllIsAsBefore) {
+TEST(ColliderTriangles, WithoutAnyAllIsAsBefore) {
   const Setting s;
   ContactFinder finder(s.mesh, {}, s.box.positions);
   EXPECT_EQ(finder.surface().triangle_count(), s.mesh.boundary_face_count());
   EXPECT_TRUE(contacts_of(finder, s.box.positions, s.box.positions).empty());
 }
 
-TEST(Obstacles, ImpossibleOnesAreRefused) {
+TEST(ColliderTriangles, ImpossibleOnesAreRefused) {
   const Setting s;
   const Positions all = s.with_tip({0, 0, -1});
   for (const auto& triangle :
