@@ -1,83 +1,22 @@
-#include "selvage/scene/run.h"
-
+#include "scene/blocks.h"
 #include "selvage/core/error.h"
 #include "selvage/scene/frames.h"
 #include "selvage/self_collision/self_collision.h"
-#include "temporary_folder.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <tbb/global_control.h>
 
 #include <algorithm>
-#include <csignal>
-#include <map>
 
 namespace selvage {
 namespace {
 
 namespace fs = std::filesystem;
+using namespace blocks;
 using test::read_text;
 using test::TemporaryFolder;
 using test::write_text;
-
-/// Two blocks that fall on a floor and on one another, one of them held and let go.
-std::string falling_blocks(const std::string& changes = "") {
-  return R"({"selvage_scene": 1, "frames": 6, "substeps": 3, "iterations": 2,
-    "bodies": [
-      {"mesh": {"shape": "box", "size": [1, 1, 1], "cell": 0.34}, "material": {"youngs_modulus": 2e4},
-       "translate": [0, 0, 0.02], "velocity": [0, 0, -1]},
-      {"mesh": {"shape": "box", "size": [1, 1, 1], "cell": 0.34}, "translate": [0.3, 0.2, 1.05], "velocity": [0, 0, -2],
-       "handles": [{"region": {"box": {"min": [-1, -1, 0.9], "max": [2, 2, 2]}}, "release": 0.05,
-                    "motion": {"keyframes": [{"time": 0}, {"time": 1, "translate": [0, 0, -1]}]}}]}],
-    "colliders": [{"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}])" +
-         changes + "}";
-}
-
-Scene scene_of(const std::string& text) {
-  return parse_scene(text, "blocks.json");
-}
-
-RunOptions to(const fs::path& folder) {
-  RunOptions options;
-  options.folder = folder;
-  return options;
-}
-
-/// All files of a run by name, without what it cost.
-std::map<std::string, std::string> files_of(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    const std::string name = fs::relative(entry.path(), folder).string();
-    if (!entry.is_regular_file() || name == "summary.json") continue;
-    std::string bytes = read_text(entry.path());
-    if (name == "statistics.csv") {
-      std::string costless;
-      for (std::size_t at = 0; at < bytes.size();) {
-        const std::size_t end = std::min(bytes.find('\n', at), bytes.size());
-        std::string line = bytes.substr(at, end - at);
-        for (int cost = 0; cost < 10; ++cost) line.resize(line.rfind(','));
-        costless += line + "\n";
-        at = end + 1;
-      }
-      bytes = costless;
-    }
-    files[name] = bytes;
-  }
-  return files;
-}
-
-/// Names of the files in which two runs differ.
-std::vector<std::string> differences(const std::map<std::string, std::string>& a,
-                                     const std::map<std::string, std::string>& b) {
-  std::vector<std::string> names;
-  for (const auto& [name, bytes] : a)
-    if (b.count(name) == 0 || b.at(name) != bytes) names.push_back(name);
-  for (const auto& [name, bytes] : b)
-    if (a.count(name) == 0) names.push_back(name);
-  return names;
-}
 
 TEST(Run, WritesTheFilesOfEachFrame) {
   const TemporaryFolder folder;
@@ -301,26 +240,6 @@ TEST(Run, ContactsBeginInTheFrameThatTheSceneGives) {
   }
 }
 
-TEST(Run, NamesTheFrameOfAnExplosion) {
-  const TemporaryFolder folder;
-  // A speed that no double holds.
-  const std::string text = R"({"selvage_scene": 1, "frames": 9, "frames_per_second": 1, "substeps": 1,
-    "gravity": [0, 0, -1.7e308],
-    "bodies": [{"mesh": {"shape": "box", "size": [1, 1, 1], "cell": 1}, "velocity": [0, 0, -1.7e308]}]})";
-  const RunReport report = run_scene(parse_scene(text, "far.json"), to(folder.path()));
-  EXPECT_EQ(report.outcome, RunOutcome::kExploded);
-  EXPECT_NE(report.message.find("frame "), std::string::npos) << report.message;
-  EXPECT_NE(report.message.find("vertex "), std::string::npos) << report.message;
-  const std::int64_t last = report.frames.back().frame;
-  EXPECT_LT(last, 9);
-  EXPECT_NO_THROW(read_frame(frame_path(folder.path(), last)));
-  EXPECT_EQ(read_checkpoint(checkpoint_path(folder.path())).header.frame, last);
-  EXPECT_NE(read_text(folder.path() / "summary.json").find("\"exploded\""), std::string::npos);
-  RunOptions to_last = to(folder.path() / "again");
-  to_last.frames = last;
-  EXPECT_EQ(run_scene(parse_scene(text, "far.json"), to_last).fingerprint, report.fingerprint);
-}
-
 TEST(Run, CountsTrianglesThatCrossWhereNoVertexIsInside) {
   const TemporaryFolder folder;
   // Two bars across one another, with vertices at their ends alone.
@@ -357,105 +276,6 @@ TEST(Run, CountsFlatElementsApartFromInvertedOnes) {
   const FrameStatistics thin = first_row("[[1, 0, 0], [0, 1, 0], [0, 0, 1e-8]]");
   EXPECT_EQ(thin.flat_elements, 0);
   EXPECT_EQ(thin.inverted_elements, 0);
-}
-
-TEST(Run, FramesHoldNothingInfinite) {
-  // A speed that doubles hold for long and single precision does not.
-  const TemporaryFolder folder;
-  const std::string text = R"({"selvage_scene": 1, "frames": 9, "frames_per_second": 1, "substeps": 1,
-    "bodies": [{"mesh": {"shape": "box", "size": [1, 1, 1], "cell": 1}, "velocity": [0, 1e38, 0]}]})";
-  const RunReport report = run_scene(parse_scene(text, "far.json"), to(folder.path()));
-  EXPECT_EQ(report.outcome, RunOutcome::kExploded);
-  EXPECT_NE(report.message.find("frame 4: vertex 0"), std::string::npos) << report.message;
-  ASSERT_EQ(report.frames.back().frame, 3);
-  for (const Vec3& p : read_frame(frame_path(folder.path(), 3)).positions) EXPECT_TRUE(p.allFinite());
-}
-
-TEST(Run, NamesTheBodyWithoutVolume) {
-  const auto press = [](const char* by) {
-    const TemporaryFolder folder;
-    const RunReport report = run_scene(scene_of(fmt::format(R"({{"selvage_scene": 1, "frames": 8, "gravity": [0, 0, 0],
-      "bodies": [{{"name": "free", "mesh": {{"shape": "box", "size": [1, 1, 1], "cell": 1}}, "translate": [5, 0, 0]}},
-        {{"name": "pressed", "mesh": {{"shape": "box", "size": [1, 1, 1], "cell": 1}},
-         "pinned": [{{"box": {{"min": [-1, -1, -1], "max": [2, 2, 0.5]}}}}],
-         "handles": [{{"region": {{"box": {{"min": [-1, -1, 0.6], "max": [2, 2, 2]}}}},
-                      "motion": {{"keyframes": [{{"time": 0}}, {{"time": 0.1, "translate": [0, 0, -{}]}}]}}}}]}}]}})",
-                                                            by)),
-                                       to(folder.path()));
-    EXPECT_NE(read_text(folder.path() / "summary.json")
-                  .find(report.outcome == RunOutcome::kFinished ? "\"finished\"" : "\"outcome\": \"no volume\""),
-              std::string::npos);
-    return report;
-  };
-  const RunReport report = press("0.9995");
-  EXPECT_EQ(report.outcome, RunOutcome::kNoVolume);
-  EXPECT_EQ(report.message.find("frame 6: body 'pressed' has no volume left"), 0u) << report.message;
-  EXPECT_EQ(report.frames.back().frame, 5);
-  EXPECT_EQ(press("0.998").outcome, RunOutcome::kFinished);
-}
-
-TEST(Run, NamesTheElementThatHandlesInvert) {
-  const TemporaryFolder folder;
-  const std::string text = R"({"selvage_scene": 1, "frames": 30, "substeps": 2, "gravity": [0, 0, 0],
-    "bodies": [{"mesh": {"shape": "box", "size": [1, 1, 1], "cell": 1},
-      "pinned": [{"box": {"min": [-1, -1, -1], "max": [2, 2, 0.5]}}],
-      "handles": [{"region": {"box": {"min": [-1, -1, 0.6], "max": [2, 2, 2]}},
-                   "motion": {"keyframes": [{"time": 0}, {"time": 0.1, "translate": [0, 0, -2.2]}]}}]}]})";
-  const RunReport report = run_scene(parse_scene(text, "press.json"), to(folder.path()));
-  EXPECT_EQ(report.outcome, RunOutcome::kImpossibleHandles);
-  EXPECT_NE(report.message.find("frame 3: handles invert element"), std::string::npos) << report.message;
-  EXPECT_EQ(report.frames.back().frame, 2);
-}
-
-/// Limits the size of files, as a full disk does.
-class FileLimit {
- public:
-  explicit FileLimit(rlim_t bytes) {
-    std::signal(SIGXFSZ, SIG_IGN);
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit{bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FileLimit() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, SIG_DFL);
-  }
-
- private:
-  rlimit before_{};
-};
-
-TEST(Run, NamesTheFrameWhereTheDiskIsFullAndKeepsTheFramesBefore) {
-  // Of few vertices, so that the table of statistics is the first file to grow too large; and of more, so that it is
-  // the checkpoint.
-  const std::string small = R"({"selvage_scene": 1, "frames": 9, "substeps": 1,
-    "bodies": [{"mesh": {"shape": "box", "size": [1, 1, 1], "cell": 1}}]})";
-  const std::array<std::pair<std::string, rlim_t>, 2> cases{{{small, 1500}, {falling_blocks(), 5000}}};
-  for (const auto& [text, limit] : cases) {
-    const Scene scene = scene_of(text);
-    const TemporaryFolder whole, folder;
-    run_scene(scene, to(whole.path()));
-    RunOptions options = to(folder.path());
-    options.frames = 0;
-    run_scene(scene, options);
-    options.frames.reset();
-    options.resume = true;
-    std::string message;
-    {
-      const FileLimit full(limit);
-      try {
-        run_scene(scene, options);
-      } catch (const SystemError& error) {
-        message = error.what();
-      }
-    }
-    EXPECT_EQ(message.find("frame "), 0u) << message;
-    EXPECT_NE(message.find("cannot be written"), std::string::npos) << message;
-    EXPECT_NO_THROW(read_checkpoint(checkpoint_path(folder.path())));
-    run_scene(scene, options);
-    EXPECT_EQ(differences(files_of(folder.path()), files_of(whole.path())), std::vector<std::string>())
-        << "limit " << limit;
-  }
 }
 
 }  // namespace
