@@ -11,7 +11,7 @@ INSTALL := scripts/install-packages
 # Sources are compiled a dozen at a time, which halves the time from nothing; OFF to compile little after a change.
 UNITY ?= ON
 CONFIGURE = cmake -DSELVAGE_WARNINGS_AS_ERRORS=$(if $(CI),ON,OFF) --log-level=WARNING \
-            -DCMAKE_UNITY_BUILD=$(UNITY) -DCMAKE_UNITY_BUILD_BATCH_SIZE=12
+            -DCMAKE_UNITY_BUILD=$(UNITY) -DCMAKE_UNITY_BUILD_BATCH_SIZE=12 -DSELVAGE_TEST_PARTS=$(if $(CI),12)
 BUILD = cmake --build -j $(JOBS) --preset
 CTEST = ctest -j $(JOBS) --output-on-failure --no-tests=error --progress
 empty :=

@@ -61,11 +61,19 @@ function(selvage_floor name)
   foreach(lower IN LISTS ARGN)
     target_link_libraries(selvage_${name} PUBLIC selvage_${lower})
   endforeach()
-  if(SELVAGE_BUILD_FUZZERS)
-    # Coverage of the code under test; the fuzzing loop itself is linked into the fuzz targets only.
-    target_compile_options(selvage_${name} PRIVATE -fsanitize=fuzzer-no-link)
+  if(SELVAGE_BUILD_FUZZERS AND name MATCHES "^(core|mesh|io|scene)$")
+    # Coverage of the readers, which steers the fuzzers; everywhere else it would only slow the other tests down. The
+    # fuzzing loop itself is linked into the fuzz targets only.
+    target_compile_options(selvage_${name} PRIVATE
+                           -fsanitize-coverage=inline-8bit-counters,pc-table,indirect-calls,trace-cmp)
   endif()
-  selvage_precompile(selvage_${name} selvage_core)
+  if(SELVAGE_SANITIZE AND name STREQUAL elasticity)
+    # Matrices of fixed size: optimised, they take long to compile and little less to run. The precompiled headers
+    # belong to one way of optimising.
+    target_compile_options(selvage_${name} PRIVATE -O0)
+  else()
+    selvage_precompile(selvage_${name} selvage_core)
+  endif()
 endfunction()
 
 # selvage_isa_objects(PREFIX SOURCE): object libraries PREFIX_<isa> of SOURCE, one per instruction set, each in its own

@@ -41,7 +41,7 @@ template <int D>
 void compare_with_rationals(double unit) {
   test::Random random(test::seed(D));
   std::int64_t in_segment = 0, in_reach = 0, on_line = 0;
-  const std::int64_t count = test::scaled(40000);
+  const std::int64_t count = test::scaled(12000);
   for (std::int64_t i = 0; i < count; ++i) {
     const Vec<D> p = unit * lattice_point<D>(random);
     FacePoints<D> boundary = lattice_face<D>(random), face = lattice_face<D>(random);

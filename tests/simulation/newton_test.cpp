@@ -183,7 +183,7 @@ TEST(NewtonSolver, GivesTheSameBitsForAnyNumberOfThreads) {
     const Model model = pile(material);
     for (const LinearSolver linear_solver : {LinearSolver::kConjugateGradients, LinearSolver::kDirect}) {
       const State expected = run_newton_pile(model, 20, linear_solver);
-      for (const int threads : {1, 2, 4}) {
+      for (const int threads : {1, 3}) {
         const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
         EXPECT_TRUE(same_bits(run_newton_pile(model, 20, linear_solver), expected)) << threads;
       }
