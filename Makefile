@@ -115,10 +115,12 @@ check-benchmarks:
 	grep -q fsyntax-only $(SYNTAX)/commands
 	xargs -d '\n' -n 1 -P $(JOBS) sh -c <$(SYNTAX)/commands
 
-## docs        API pages in docs/api/html
-docs:
+## docs        the site of the documentation, in build/site; a warning is an error
+# The program, the package and the headers say what the reference holds.
+docs: python
 	$(INSTALL) docs
 	doxygen docs/Doxyfile
+	$(VENV)/bin/python -m sphinx -b html -W --keep-going -q docs build/site
 
 ## format      lay out all sources by .clang-format
 format:

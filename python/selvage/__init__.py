@@ -2,7 +2,7 @@
 
 `V` are positions (n, 3) in metres, `F` triangles (m, 3), `T` tetrahedra (m, 4), all NumPy arrays or what can be made
 one. Every function that takes `V, F` or `V, T` also takes a mesh: of this package, of trimesh, meshio or PyVista, or
-the path of a file.
+the path of a file::
 
     import selvage
 
