@@ -67,13 +67,7 @@ function(selvage_floor name)
     target_compile_options(selvage_${name} PRIVATE
                            -fsanitize-coverage=inline-8bit-counters,pc-table,indirect-calls,trace-cmp)
   endif()
-  if(SELVAGE_SANITIZE AND name STREQUAL elasticity)
-    # Matrices of fixed size: optimised, they take long to compile and little less to run. The precompiled headers
-    # belong to one way of optimising.
-    target_compile_options(selvage_${name} PRIVATE -O0)
-  else()
-    selvage_precompile(selvage_${name} selvage_core)
-  endif()
+  selvage_precompile(selvage_${name} selvage_core)
 endfunction()
 
 # selvage_isa_objects(PREFIX SOURCE): object libraries PREFIX_<isa> of SOURCE, one per instruction set, each in its own

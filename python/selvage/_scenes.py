@@ -82,7 +82,7 @@ def read_scene(scene: str | os.PathLike[str] | Mapping[str, Any], *, scale: str 
 
 
 class Simulation(SceneSimulation):
-    """A scene step by step: XPBD with the contacts of shortest paths.
+    """A scene step by step: XPBD with the contacts of shortest paths. Scenes for other solvers run by `simulate`.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ class Simulation(SceneSimulation):
     Raises
     ------
     selvage.Error
-        As `read_scene`, and when a value is impossible.
+        As `read_scene`, when a value is impossible, and when the scene is for a solver other than XPBD.
 
     Notes
     -----

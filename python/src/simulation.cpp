@@ -18,6 +18,9 @@ struct Simulation {
   bool with_contact = false;
 
   explicit Simulation(std::shared_ptr<const Scene> s) : scene(std::move(s)), state(scene->initial_state) {
+    if (scene->solver != SolverKind::kXpbd)
+      throw Error("solver", "is not xpbd, by which alone a Simulation steps",
+                  "run the scene with selvage.simulate(), or set \"solver\": \"xpbd\"");
     positions = array_of(state.positions);
     velocities = array_of(state.velocities);
     watch = std::make_shared<Watch>();

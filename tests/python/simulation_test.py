@@ -220,6 +220,13 @@ def test_impossible_scenes(scene, said):
         selvage.read_scene(scene)
 
 
+@pytest.mark.parametrize("solver", ["newton", "vbd"])
+def test_a_simulation_refuses_other_solvers(solver):
+    scene = {"selvage_scene": 1, "solver": solver, "bodies": [{"mesh": {"shape": "box", "cell": 0.5}}]}
+    with pytest.raises(selvage.Error, match="solver: is not xpbd"):
+        selvage.Simulation(scene)
+
+
 def test_scales_and_files(tmp_path):
     import json
 
