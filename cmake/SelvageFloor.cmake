@@ -61,9 +61,9 @@ function(selvage_floor name)
   foreach(lower IN LISTS ARGN)
     target_link_libraries(selvage_${name} PUBLIC selvage_${lower})
   endforeach()
-  if(SELVAGE_BUILD_FUZZERS AND name MATCHES "^(core|mesh|io|scene)$")
+  if(SELVAGE_BUILD_FUZZERS AND SELVAGE_SANITIZE AND name MATCHES "^(core|mesh|io|scene)$")
     # Coverage of the readers, which steers the fuzzers; everywhere else it would only slow the other tests down. The
-    # fuzzing loop itself is linked into the fuzz targets only.
+    # fuzzing loop itself is linked into the fuzz targets only, and a sanitizer's runtime takes the calls elsewhere.
     target_compile_options(selvage_${name} PRIVATE
                            -fsanitize-coverage=inline-8bit-counters,pc-table,indirect-calls,trace-cmp)
   endif()

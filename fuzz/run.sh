@@ -13,13 +13,30 @@ for format in $formats; do targets="$targets fuzz_read_$format"; done
 # shellcheck disable=SC2086
 cmake --build --preset asan --target $targets
 mkdir -p build/asan/findings
+# A fuzzer runs on one core: as many at a time as there are. Each writes a log, shown when all are done.
+fuzz() {
+  mkdir -p "build/asan/corpus/$1"
+  # A reader may not ask for much more memory than its input holds: 256 MB at once is a finding.
+  build/asan/fuzz/fuzz_read_"$1" -max_total_time="$seconds" -timeout=10 -max_len=20000 -malloc_limit_mb=256 \
+    -rss_limit_mb=2048 -print_final_stats=1 -verbosity=0 -artifact_prefix="build/asan/findings/$1-" \
+    "build/asan/corpus/$1" "fuzz/corpus/$1" >"build/asan/findings/$1.log" 2>&1 || touch "build/asan/findings/$1.failed"
+}
+rm -f build/asan/findings/*.failed
+cores=$(nproc)
+running=0
+for format in $formats; do
+  fuzz "$format" &
+  running=$((running + 1))
+  if [ "$running" -eq "$cores" ]; then
+    wait
+    running=0
+  fi
+done
+wait
 status=0
 for format in $formats; do
-  mkdir -p "build/asan/corpus/$format"
   echo "== $format, $seconds s"
-  # A reader may not ask for much more memory than its input holds: 256 MB at once is a finding.
-  build/asan/fuzz/fuzz_read_"$format" -max_total_time="$seconds" -timeout=10 -max_len=20000 -malloc_limit_mb=256 \
-    -rss_limit_mb=2048 -print_final_stats=1 -verbosity=0 -artifact_prefix="build/asan/findings/$format-" \
-    "build/asan/corpus/$format" "fuzz/corpus/$format" || status=1
+  cat "build/asan/findings/$format.log"
+  if [ -e "build/asan/findings/$format.failed" ]; then status=1; fi
 done
 exit $status

@@ -26,6 +26,7 @@ using solids::Solid;
 using test::contacts_of_step;
 using test::in_mode;
 using test::Random;
+using test::scaled;
 using test::seed;
 using Positions = std::vector<Vec3>;
 
@@ -209,7 +210,7 @@ TEST(ContactFinder, GivesTheSameBitsForAnyNumberOfThreads) {
       ContactFinder finder(mesh, {}, solid.positions, {}, options);
       Positions t0 = solid.positions;
       Random random(seed(7));
-      for (std::size_t step = 0; step < 3; ++step) {
+      for (std::size_t step = 0; step < static_cast<std::size_t>(scaled(3)); ++step) {
         Positions t1 = t0;
         for (Vec3& x : t1) x += random.vector(0.01);
         const auto contacts = contacts_of_step(finder, t0, t1);

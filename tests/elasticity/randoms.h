@@ -43,16 +43,17 @@ class Randoms {
   std::mt19937 engine_;
 };
 
-/// The nearest positive semi-definite matrix, by a numeric eigensystem.
+/// The nearest positive semi-definite matrix, by a numeric eigensystem. A solver of any size is compiled once, and not
+/// for each size.
 template <typename Matrix>
 Matrix without_negative_eigenvalues(const Matrix& h) {
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(h);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(h);
   return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() * eigen.eigenvectors().transpose();
 }
 
 template <typename Matrix>
 double least_eigenvalue(const Matrix& h) {
-  return Eigen::SelfAdjointEigenSolver<Matrix>(h, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(h, Eigen::EigenvaluesOnly).eigenvalues()[0];
 }
 
 }  // namespace selvage
