@@ -1,5 +1,6 @@
 #include "selvage/untangling/resolve.h"
 
+#include "test_scale.h"
 #include "untangling/resolved.h"
 
 #include <gtest/gtest.h>
@@ -155,6 +156,7 @@ TEST(Resolve, RestoresInvertedElementsToTheGivenRestShape) {
 
 // A rest three times as large swells into the tangle.
 TEST(Resolve, BeginsAgainFromTheInputWhereTheGivenRestShapeDrivesTheTangleDeeper) {
+  if (test::scaled(1) < 2) GTEST_SKIP() << "takes 17 s; run by make test-long";
   ShapeOptions measures;
   measures.elements = 15000;
   IndexedMesh mesh = make_shape("octopus", measures);
