@@ -22,6 +22,7 @@ nb::dict row_of(const FrameStatistics& row) {
   result["blocked_paths"] = row.blocked_paths;
   result["held_back_vertices"] = row.held_back_vertices;
   result["impacts_left"] = row.impacts_left;
+  result["unguarded_vertices"] = row.unguarded_vertices;
   result["penetrating_vertices"] = row.penetrating_vertices;
   result["deepest_penetration"] = row.deepest_penetration;
   result["triangle_pairs"] = row.triangle_pairs;
@@ -41,6 +42,8 @@ const char* outcome_name(RunOutcome outcome) {
       return "exploded";
     case RunOutcome::kImpossibleHandles:
       return "impossible-handles";
+    case RunOutcome::kPinched:
+      return "pinched";
     default:
       return "no-volume";
   }

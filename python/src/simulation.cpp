@@ -111,6 +111,7 @@ nb::dict statistics_of(const StepStatistics& s) {
   result["collider_contacts"] = s.collider_contacts;
   result["held_back_vertices"] = s.held_back_vertices;
   result["impacts_left"] = s.impacts_left;
+  result["unguarded_vertices"] = s.unguarded_vertices;
   result["penetrating_vertices"] = s.contact.penetrating_vertices;
   result["path_queries"] = s.contact.path_queries;
   result["blocked_paths"] = s.contact.blocked_paths;

@@ -6,6 +6,7 @@
 #include "contact/input/inverted_vertices.h"
 #include "contact/path_contact.h"
 #include "contact/penetration_search.h"
+#include "contact/tangled_vertices.h"
 #include "contact/tangles.h"
 #include "core/parallel.h"
 #include "core/timed.h"
@@ -61,10 +62,9 @@ struct ContactFinder::Impl {
   std::vector<Index> inside;  ///< features of the search that penetrate at the start of the step
   std::vector<std::uint8_t> is_inside;
   std::vector<Index> inside_vertices, inside_edges;
-  std::vector<Index> tangled_vertices;   ///< likewise: see mark_tangled()
-  std::vector<std::uint8_t> is_tangled;  ///< (n_vertices)
-  InvertedVertices inverted;             ///< at the start of the step
-  std::vector<Index> pieces;             ///< connected component of each element; where whole tangles wait
+  TangledVertices tangled;    ///< at the start of the step; none but for kHybrid
+  InvertedVertices inverted;  ///< at the start of the step
+  std::vector<Index> pieces;  ///< connected component of each element; where whole tangles wait
   ContactStatistics statistics;
   bool has_begun = false;  ///< any step
 
@@ -74,6 +74,7 @@ struct ContactFinder::Impl {
   /// With the colliders'.
   Index vertex_count() const { return surface.vertex_count(); }
   std::span<const Vec3> of_mesh(std::span<const Vec3> positions) const { return positions.first(mesh.vertex_count()); }
+  Index body_face_count() const { return static_cast<Index>(mesh.boundary_faces().size()); }
   bool is_of_collider(Index vertex) const { return vertex >= mesh.vertex_count(); }
 
   bool uses_ccd() const {
@@ -95,7 +96,8 @@ struct ContactFinder::Impl {
   std::vector<std::uint8_t> leave_out_waiting(std::vector<PenetratingPoint>& points);
   void append_ways_out(std::span<const Vec3> positions, std::vector<PenetratingPoint>& points,
                        std::vector<Contact>& contacts);
-  void mark_tangled();
+  ContinuousPairs find_pairs(std::span<const Vec3> positions);
+  StepImpacts with_times(ContinuousPairs pairs) const;
   StepImpacts find_impacts(std::span<const Vec3> positions);
   StepImpacts find_untangled_impacts(std::span<const Vec3> positions);
   void append_contacts(const StepImpacts& found, std::span<const Vec3> positions, std::vector<Contact>& contacts) const;
@@ -104,7 +106,10 @@ struct ContactFinder::Impl {
 ContactFinder::Impl::Impl(const TetMesh& m, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
                           std::span<const Index> vertex_objects, ContactOptions o,
                           std::span<const VertexTuple<3>> colliders)
-    : mesh(m), options(o), surface(surface_with_colliders(m, colliders, positions.size())) {
+    : mesh(m),
+      options(o),
+      surface(surface_with_colliders(m, colliders, positions.size())),
+      tangled(surface, body_face_count(), o.guarantee) {
   check_positions<3>(positions, vertex_count());
   if (!vertex_objects.empty() && std::ssize(vertex_objects) != mesh.vertex_count())
     throw Error("vertex_objects", fmt::format("{} for {} vertices", vertex_objects.size(), mesh.vertex_count()),
@@ -118,7 +123,6 @@ ContactFinder::Impl::Impl(const TetMesh& m, std::span<const Vec3> rest_positions
                    !options.interior_points);
   positions_t0.assign(positions.begin(), positions.end());
   if (search) is_inside.resize(search->feature_count());
-  is_tangled.resize(vertex_count());
   if (splits() && options.wait_for_inverted) pieces = mesh.element_components();
 }
 
@@ -151,7 +155,8 @@ void ContactFinder::Impl::split_features() {
       }
     }
   });
-  mark_tangled();
+  tangled.mark(inside_vertices, inside_edges, search->crossings());
+  statistics.unguarded_vertices = tangled.count();
   statistics.penetrating_vertices = std::ssize(inside_vertices);
   statistics.penetrating_edges = std::ssize(inside_edges);
 }
@@ -264,17 +269,30 @@ void ContactFinder::Impl::append_ways_out(std::span<const Vec3> positions, std::
   }
 }
 
-StepImpacts ContactFinder::Impl::find_impacts(std::span<const Vec3> positions) {
+/// All that meet on the way.
+ContinuousPairs ContactFinder::Impl::find_pairs(std::span<const Vec3> positions) {
   if (impacts) {
     impacts->update(positions_t0, positions);
   } else {
     impacts.emplace(surface, positions_t0, positions, options_with_colliders(mesh, surface));
   }
+  ContinuousPairs pairs = impacts->find_pairs(&statistics.continuous);
+  if (!options.detect_edges) pairs.edge_edge.clear();
+  return pairs;
+}
+
+StepImpacts ContactFinder::Impl::with_times(ContinuousPairs pairs) const {
   StepImpacts found;
-  ContinuousPairs& pairs = found.pairs;
-  pairs = impacts->find_pairs(&statistics.continuous);
-  const auto bodies = static_cast<Index>(mesh.boundary_faces().size());
-  std::erase_if(pairs.vertex_face, [&](const VertexFacePair& p) { return p.face >= bodies; });
+  found.face_times = impacts->find_impact_times(pairs.vertex_face);
+  found.edge_times = impacts->find_impact_times(pairs.edge_edge);
+  found.pairs = std::move(pairs);
+  return found;
+}
+
+/// Those that are to be contacts.
+StepImpacts ContactFinder::Impl::find_impacts(std::span<const Vec3> positions) {
+  ContinuousPairs pairs = find_pairs(positions);
+  std::erase_if(pairs.vertex_face, [&](const VertexFacePair& p) { return p.face >= body_face_count(); });
   if (splits()) {
     const auto inside_of = [](std::span<const Index> all, Index i) {
       return std::binary_search(all.begin(), all.end(), i);
@@ -284,51 +302,24 @@ StepImpacts ContactFinder::Impl::find_impacts(std::span<const Vec3> positions) {
       return inside_of(inside_edges, p.first) || inside_of(inside_edges, p.second);
     });
   }
-  if (!options.detect_edges) pairs.edge_edge.clear();
-  found.face_times = impacts->find_impact_times(pairs.vertex_face);
-  found.edge_times = impacts->find_impact_times(pairs.edge_edge);
-  return found;
+  return with_times(std::move(pairs));
 }
 
-/// Marks vertices where bodies penetrate: what is inside, and faces that meet.
-void ContactFinder::Impl::mark_tangled() {
-  for (const Index v : tangled_vertices) is_tangled[v] = 0;
-  tangled_vertices.clear();
-  const auto mark = [&](std::span<const Index> vertices) {
-    for (const Index v : vertices)
-      if (!std::exchange(is_tangled[v], 1)) tangled_vertices.push_back(v);
-  };
-  mark(inside_vertices);
-  for (const Index e : inside_edges) mark(surface.edges()[e]);
-  // The triangles of a collider may be large: a crossing says nothing of all that their corners belong to.
-  const auto bodies = static_cast<Index>(mesh.boundary_faces().size());
-  for (const TrianglePair& pair : search->crossings()) {
-    mark(surface.triangles()[pair.first]);
-    if (pair.second < bodies) mark(surface.triangles()[pair.second]);
-  }
-}
-
-/// Those at no vertex where bodies penetrate, and of no inverted element.
+/// Those that are to be held back: at no vertex where bodies penetrate. Without the guarantee of no inverted element
+/// either, and no vertices of the mesh that run into colliders, which are kept out by the shapes.
 StepImpacts ContactFinder::Impl::find_untangled_impacts(std::span<const Vec3> positions) {
-  StepImpacts all = find_impacts(positions);
-  if (inverted.empty() && tangled_vertices.empty()) return all;
+  ContinuousPairs pairs = find_pairs(positions);
   const auto is_left_out = [&](std::span<const Index> vertices) {
-    return std::any_of(vertices.begin(), vertices.end(), [&](Index v) { return is_tangled[v] || inverted.has(v); });
+    return tangled.has_any(vertices) || (!options.guarantee && inverted.has_any(vertices));
   };
-  StepImpacts kept;
-  for (std::size_t i = 0; i < all.pairs.vertex_face.size(); ++i) {
-    const auto& [vertex, face] = all.pairs.vertex_face[i];
-    if (is_left_out({&vertex, 1}) || is_left_out(surface.triangles()[face])) continue;
-    kept.pairs.vertex_face.push_back(all.pairs.vertex_face[i]);
-    kept.face_times.push_back(all.face_times[i]);
-  }
-  for (std::size_t i = 0; i < all.pairs.edge_edge.size(); ++i) {
-    const auto& [first, second] = all.pairs.edge_edge[i];
-    if (is_left_out(surface.edges()[first]) || is_left_out(surface.edges()[second])) continue;
-    kept.pairs.edge_edge.push_back(all.pairs.edge_edge[i]);
-    kept.edge_times.push_back(all.edge_times[i]);
-  }
-  return kept;
+  std::erase_if(pairs.vertex_face, [&](const VertexFacePair& p) {
+    return (!options.guarantee && p.face >= body_face_count()) || is_left_out({&p.vertex, 1}) ||
+           is_left_out(surface.triangles()[p.face]);
+  });
+  std::erase_if(pairs.edge_edge, [&](const EdgeEdgePair& p) {
+    return is_left_out(surface.edges()[p.first]) || is_left_out(surface.edges()[p.second]);
+  });
+  return with_times(std::move(pairs));
 }
 
 void ContactFinder::Impl::append_contacts(const StepImpacts& found, std::span<const Vec3> positions,

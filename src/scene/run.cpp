@@ -73,7 +73,9 @@ void add_step(const StepStatistics& step, FrameStatistics& row) {
   row.path_elements += contact.paths.elements_visited;
   row.constraints += step.constraints;
   row.held_back_vertices += step.held_back_vertices;
+  row.impacts_met += step.impacts_met;
   row.impacts_left += step.impacts_left;
+  row.unguarded_vertices = std::max(row.unguarded_vertices, step.unguarded_vertices);
   row.newton_steps += step.newton_steps;
   row.linear_iterations += step.linear_iterations;
   row.residual = std::max(row.residual, step.residual);
@@ -152,6 +154,9 @@ bool advance(const Scene& scene, SceneSimulation& simulation, std::int64_t frame
     report.frames.push_back(simulation.run_frame(state, frame));
   } catch (const SystemError&) {
     throw;
+  } catch (const PinchError& error) {
+    stop(report, RunOutcome::kPinched, frame, error.what());
+    return false;
   } catch (const Error& error) {
     stop(report, RunOutcome::kExploded, frame, error.what());
     return false;

@@ -188,7 +188,7 @@ void RunFolder::store_frame(const State& state, const FrameStatistics& row) cons
   header.time = state.time;
   header.fingerprint = scene_.fingerprint;
   export_frame(row.frame, state);
-  write_frame(frame_path(options_.folder, row.frame), header, state.positions);
+  write_frame(frame_path(options_.folder, row.frame), header, state.positions, scene_.options.contact.guarantee);
   append_row(row);
   write_checkpoint(checkpoint_path(options_.folder), header, state);
 }

@@ -199,6 +199,7 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& path, std:
   scene.contact_from_frame = description.contact_from_frame;
   scene.fingerprint = fingerprint_of(description, scene);
   if (!description.allow_start_outside) check_start(scene, path.string());
+  check_guarantee(scene, path.string());
   return scene;
 }
 

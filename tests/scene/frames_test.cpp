@@ -55,6 +55,11 @@ TEST(Frames, AreReadAsTheyWereWritten) {
   for (std::size_t v = 0; v < frame.positions.size(); ++v)
     EXPECT_EQ(frame.positions[v], state.positions[v].cast<float>().cast<double>());
 
+  write_frame(folder.path() / "e", header, state.positions, true);
+  const FrameFile exact = read_frame(folder.path() / "e");
+  EXPECT_EQ(exact.positions, state.positions);
+  EXPECT_EQ(exact.header.kind, 4);
+
   write_topology(folder.path() / "t", model, 9);
   const TopologyFile topology = read_topology(folder.path() / "t");
   EXPECT_TRUE(std::ranges::equal(topology.elements, model.mesh.elements()));
@@ -102,6 +107,13 @@ TEST(Frames, DamagedFilesAreRefused) {
   for (std::size_t size = 0; size < whole.size(); ++size) {
     write_text(path, whole.substr(0, size));
     EXPECT_THROW(read_frame(path), Error) << size;
+  }
+  write_frame(path, {}, std::vector<Vec3>{{1, 2, 3}, {4, 5, 6}}, true);
+  const std::string exact = read_text(path);
+  EXPECT_EQ(exact.size(), 64u + 48u);
+  for (const std::string& other : {exact.substr(0, 100), exact + "x"}) {
+    write_text(path, other);
+    EXPECT_THROW(read_frame(path), Error);
   }
   write_text(path, whole + "x");
   EXPECT_THROW(read_frame(path), Error);

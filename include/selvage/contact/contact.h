@@ -71,6 +71,10 @@ struct ContactOptions {
   /// For kHybrid without interior_points: after the solver, what still meets is projected again, and what then still
   /// meets, or inverts an element, is held back. So what is free at the start of a step is free at its end.
   bool hold_back = true;
+  /// What starts a step free meets nothing on the straight way to its end, decided exactly, or the step fails: see
+  /// StepOptions. For kHybrid with edges and hold_back, without interior_points. In addition to hold_back, elements
+  /// that are inverted are guarded, too, and vertices against faces of colliders.
+  bool guarantee = false;
   bool cull_infeasible_regions = true;  ///< SPB section 3.6; changes no contact
 };
 

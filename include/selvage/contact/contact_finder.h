@@ -26,6 +26,8 @@ struct ContactStatistics {
   /// At the start of the step, for kHybrid; all others are free.
   std::int64_t penetrating_vertices = 0;
   std::int64_t penetrating_edges = 0;
+  /// Likewise: vertices where bodies penetrate, which find_impacts() leaves to contacts. Without any, all is guarded.
+  std::int64_t unguarded_vertices = 0;
 
   std::int64_t waiting_points = 0;  ///< pairs of a point and an element, left out by ContactOptions::wait_for_inverted
   std::int64_t path_queries = 0;    ///< pairs of a point and an element that were asked for a way out
@@ -97,6 +99,8 @@ class ContactFinder {
   /// All pairs of features that meet on the way to the given positions, for the modes with CCD; for kHybrid but where
   /// bodies penetrate at the start of the step (no vertex of the pair may be inside, or belong to an edge that is, or
   /// to a face that meets another), and of vertices of inverted elements none where ContactOptions::wait_for_inverted.
+  /// With ContactOptions::guarantee vertices of inverted elements count as others do, and so do vertices of the mesh
+  /// that run into faces of colliders.
   /// Exact; parallel; the same for any number of threads.
   /// @throws Error  as find_contacts()
   StepImpacts find_impacts(std::span<const Vec3> positions_t1);

@@ -11,7 +11,7 @@ namespace selvage {
 ///   offset  type       meaning
 ///        0  char[8]    "selvage" and a zero byte
 ///        8  int32      schema: 1
-///       12  int32      kind: 1 topology, 2 frame, 3 checkpoint
+///       12  int32      kind: 1 topology, 2 frame, 3 checkpoint, 4 exact frame
 ///       16  int64      vertices
 ///       24  int64      elements
 ///       32  int64      frame
@@ -22,7 +22,8 @@ namespace selvage {
 /// topology.bin: elements (n_elements x 4 int32), body of each vertex (n_vertices int32), boundary faces (rest x 3
 /// int32, outward). frames/frame_000000.bin: positions (n_vertices x 3 float32) [m]; rest.bin the same at rest.
 /// checkpoint.bin: positions and velocities (twice n_vertices x 3 float64). Frames are for viewing, for which single
-/// precision suffices. Runs are continued, and statistics measured, in double precision.
+/// precision suffices. Runs are continued, and statistics measured, in double precision. Frames of a guaranteed run are
+/// exact (n_vertices x 3 float64): rounded positions might meet.
 struct FrameHeader {
   std::array<char, 8> magic{'s', 'e', 'l', 'v', 'a', 'g', 'e', 0};
   std::int32_t schema = 1;
@@ -36,7 +37,7 @@ struct FrameHeader {
 };
 static_assert(sizeof(FrameHeader) == 64);
 
-enum class FrameFileKind : std::int32_t { kTopology = 1, kFrame = 2, kCheckpoint = 3 };
+enum class FrameFileKind : std::int32_t { kTopology = 1, kFrame = 2, kCheckpoint = 3, kExactFrame = 4 };
 
 /// Where the files of a run in a folder are.
 std::filesystem::path topology_path(const std::filesystem::path& folder);
@@ -46,9 +47,11 @@ std::filesystem::path checkpoint_path(const std::filesystem::path& folder);
 std::filesystem::path frame_path(const std::filesystem::path& folder, std::int64_t frame);
 
 /// Write a file of a run, whole or not at all.
+/// @param is_exact      whether positions are stored in double precision
 /// @throws SystemError  when it cannot be written
 void write_topology(const std::filesystem::path& path, const Model& model, std::uint64_t fingerprint);
-void write_frame(const std::filesystem::path& path, FrameHeader header, std::span<const Vec3> positions);
+void write_frame(const std::filesystem::path& path, FrameHeader header, std::span<const Vec3> positions,
+                 bool is_exact = false);
 void write_checkpoint(const std::filesystem::path& path, FrameHeader header, const State& state);
 
 struct TopologyFile {
@@ -68,7 +71,7 @@ struct CheckpointFile {
   State state;
 };
 
-/// Read a file of a run.
+/// Read a file of a run; frames of both kinds.
 /// @throws Error  when it cannot be read, is of another kind or schema, or has not the size that its header says
 TopologyFile read_topology(const std::filesystem::path& path);
 FrameFile read_frame(const std::filesystem::path& path);

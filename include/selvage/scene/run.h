@@ -19,7 +19,8 @@ struct FrameStatistics {
   std::int64_t collider_contacts = 0;
   std::int64_t path_queries = 0, blocked_paths = 0;  ///< points asked for their way out, and those without one
   std::int64_t held_back_vertices = 0;               ///< see StepStatistics, over all steps
-  std::int64_t impacts_left = 0;                     ///< likewise
+  std::int64_t impacts_met = 0, impacts_left = 0;    ///< likewise
+  std::int64_t unguarded_vertices = 0;               ///< likewise, the most of all steps
   std::int64_t constraints = 0;                      ///< of the material, over all iterations
   std::int64_t newton_steps = 0;                     ///< of the implicit solvers: see StepStatistics
   std::int64_t linear_iterations = 0;                ///< likewise
@@ -90,6 +91,7 @@ enum class RunOutcome : std::uint8_t {
   kExploded,           ///< a position stopped being finite
   kImpossibleHandles,  ///< handles inverted an element whose four vertices they hold
   kNoVolume,           ///< at the end of a frame a body had at most 1/1000 of its volume at rest
+  kPinched,            ///< a step could not be guaranteed: PinchError
 };
 
 struct RunReport {
@@ -114,6 +116,10 @@ RunReport run_scene(const Scene& scene, const RunOptions& options);
 
 /// Counts, averages per step, shares of time and the last frame's figures as JSON, as in summary.json.
 std::string summarize_run(const Scene& scene, const RunReport& report);
+
+/// The frame at whose end bodies penetrated nowhere, and since when nothing has met, in a run with
+/// ContactOptions::guarantee; nothing where bodies still penetrated in the last frame's steps, or there was no step.
+std::optional<std::int64_t> guaranteed_from(std::span<const FrameStatistics> frames);
 
 /// Crossings of a frame as JSON, as in checks/frame_000000.json and in summary.json under `at_end`.
 std::string describe_crossings(const Scene& scene, std::int64_t frame, const Crossings& crossings);

@@ -2,12 +2,25 @@
 
 #include "selvage/contact/contact_finder.h"
 #include "selvage/contact/friction.h"
+#include "selvage/core/error.h"
 
 #include <limits>
 
 namespace selvage {
 
+/// A step that cannot be guaranteed: ContactOptions::guarantee. Handles or colliders press bodies together, or lead
+/// them through one another, so that something meets however vertices are held back. The state stays as it was.
+class PinchError : public Error {
+ public:
+  using Error::Error;
+};
+
 /// Options of a time step that all solvers share.
+///
+/// With ContactOptions::guarantee a step throws PinchError rather than let anything meet that was free at its start: of
+/// vertices and faces, and of edges, that share no vertex and belong to bodies or one to a collider, none meets on the
+/// straight way from State::positions before to those after, decided exactly. Where bodies penetrate at the start of a
+/// step, StepStatistics::unguarded_vertices says so.
 struct StepOptions {
   double time_step = 1.0 / 300;                                ///< [s] of one step
   Vec3 gravity{0, 0, -9.81};                                   ///< [m/s^2]
@@ -26,7 +39,10 @@ struct StepStatistics {
   std::int64_t missed_rounds = 0;       ///< in which contacts were found after the solver, and projected
   std::int64_t hold_back_rounds = 0;    ///< in which vertices were held back: ContactOptions::hold_back
   std::int64_t held_back_vertices = 0;  ///< that end the step elsewhere than the solver left them
+  std::int64_t impacts_met = 0;         ///< pairs that met at the end of the solver, before vertices were held back
   std::int64_t impacts_left = 0;        ///< pairs that meet in the end all the same
+  std::int64_t unguarded_vertices = 0;  ///< where bodies penetrate at the start; 0: nothing meets in the step, but
+                                        ///< impacts_left
   std::int64_t newton_steps = 0;        ///< of the implicit solvers: Newton steps, or sweeps over all vertices
   std::int64_t linear_iterations = 0;   ///< of conjugate gradients, over all Newton steps
   /// Of the implicit solvers, before what is left inside is projected: the distance by which the force out of balance

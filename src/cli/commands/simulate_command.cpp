@@ -176,6 +176,16 @@ std::string solver_text(const Scene& scene, const RunReport& report) {
                      scene.solver == SolverKind::kNewton ? "Newton steps" : "sweeps", residual);
 }
 
+/// Since when nothing can have met, and what that took.
+std::string guarantee_text(const RunReport& report) {
+  const std::optional<std::int64_t> from = guaranteed_from(report.frames);
+  if (!from) return "of nothing: bodies still penetrate";
+  std::int64_t held_back = 0;
+  for (const FrameStatistics& row : report.frames) held_back += row.held_back_vertices;
+  return fmt::format("nothing meets from frame {} on; {} held back", *from,
+                     count_text(held_back, "vertex was", "vertices were"));
+}
+
 void print_summary(const SimulateOptions& options, const Scene& scene, const RunReport& report, double seconds) {
   const FrameStatistics& last = report.frames.back();
   const std::int64_t run = last.frame - report.first_frame;
@@ -189,6 +199,7 @@ void print_summary(const SimulateOptions& options, const Scene& scene, const Run
                           : fmt::format("{}", last.frame));
   table.add("steps", fmt::format("{} of {:.3g} s, {}", grouped(last.steps), scene.options.time_step,
                                  solver_text(scene, report)));
+  if (scene.options.contact.guarantee) table.add("guarantee", guarantee_text(report));
   add_crossings(scene, report.crossings, table);
   table.add("inverted elements", grouped(last.inverted_elements));
   if (last.flat_elements > 0) table.add("flat elements", grouped(last.flat_elements));

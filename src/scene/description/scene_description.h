@@ -115,4 +115,10 @@ void read_contact(const JsonValue& value, SceneDescription& scene);
 /// @throws Error  one line with the file, the first such body, the collider, and what to do
 void check_start(const Scene& scene, const std::string& file);
 
+/// Refuses a scene that asks for a guarantee which it can never have: handles hold bodies in one another for ever.
+///
+/// @param file    name of the scene's file, for errors
+/// @throws Error  one line with the file, two such bodies, the place, and what to do
+void check_guarantee(const Scene& scene, const std::string& file);
+
 }  // namespace selvage

@@ -7,6 +7,7 @@
 
 #include <bit>
 #include <cstring>
+#include <optional>
 
 namespace selvage {
 
@@ -32,12 +33,14 @@ std::string begin_file(FrameHeader header, FrameFileKind kind, std::size_t body_
 /// A file that is taken apart from its front.
 class Parts {
  public:
-  Parts(const fs::path& path, FrameFileKind kind) : name_(path.string()), bytes_(read_whole_file(path)) {
+  /// @param other  a kind that will do, too
+  Parts(const fs::path& path, FrameFileKind kind, std::optional<FrameFileKind> other = {})
+      : name_(path.string()), bytes_(read_whole_file(path)) {
     if (bytes_.size() < sizeof header_) refuse("is too short for its header");
     std::memcpy(&header_, bytes_.data(), sizeof header_);
     if (header_.magic != FrameHeader().magic) refuse("is no file of a run");
     if (header_.schema != 1) refuse(fmt::format("has schema {}, and 1 is known", header_.schema));
-    if (header_.kind != static_cast<std::int32_t>(kind)) refuse("is another kind of file of a run");
+    if (!is_of(kind) && !(other && is_of(*other))) refuse("is another kind of file of a run");
     constexpr std::int64_t kMaxCount = std::int64_t{1} << 31;
     for (const std::int64_t count : {header_.vertices, header_.elements, header_.frame})
       if (count < 0 || count >= kMaxCount) refuse("has an impossible count");
@@ -45,6 +48,7 @@ class Parts {
   }
 
   const FrameHeader& header() const { return header_; }
+  bool is_of(FrameFileKind kind) const { return header_.kind == static_cast<std::int32_t>(kind); }
 
   template <typename T>
   std::vector<T> take(std::size_t count) {
@@ -114,8 +118,13 @@ void write_topology(const fs::path& path, const Model& model, std::uint64_t fing
   write_whole_files(std::array{FileContent{path, bytes}});
 }
 
-void write_frame(const fs::path& path, FrameHeader header, std::span<const Vec3> positions) {
+void write_frame(const fs::path& path, FrameHeader header, std::span<const Vec3> positions, bool is_exact) {
   header.vertices = std::ssize(positions);
+  if (is_exact) {
+    std::string exact = begin_file(header, FrameFileKind::kExactFrame, positions.size_bytes());
+    append(exact, positions);
+    return write_whole_files(std::array{FileContent{path, exact}});
+  }
   using Float3 = std::array<float, 3>;
   std::string bytes = begin_file(header, FrameFileKind::kFrame, positions.size() * sizeof(Float3));
   for (const Vec3& p : positions) {
@@ -148,8 +157,13 @@ TopologyFile read_topology(const fs::path& path) {
 }
 
 FrameFile read_frame(const fs::path& path) {
-  Parts parts(path, FrameFileKind::kFrame);
+  Parts parts(path, FrameFileKind::kFrame, FrameFileKind::kExactFrame);
   FrameFile file{parts.header(), {}};
+  if (parts.is_of(FrameFileKind::kExactFrame)) {
+    file.positions = parts.take<Vec3>(vertices_of(file.header));
+    parts.expect_end();
+    return file;
+  }
   for (const auto& p : parts.take<std::array<float, 3>>(vertices_of(file.header)))
     file.positions.emplace_back(p[0], p[1], p[2]);
   parts.expect_end();

@@ -102,6 +102,7 @@ std::string print_scene(const Scene& scene) {
                      {"static_friction", options.friction.static_coefficient},
                      {"dynamic_friction", options.friction.dynamic_coefficient},
                      {"hold_back", options.contact.hold_back},
+                     {"guarantee", options.contact.guarantee},
                      {"from_frame", scene.contact_from_frame}};
   json["bodies"] = Json::array();
   for (const Body& body : scene.model.bodies)

@@ -53,6 +53,8 @@ const char* name_of(RunOutcome outcome) {
       return "exploded";
     case RunOutcome::kNoVolume:
       return "no volume";
+    case RunOutcome::kPinched:
+      return "pinched";
     default:
       return "impossible handles";
   }
@@ -75,6 +77,17 @@ Json averages_per_path(const Totals& totals) {
   };
   return {
       {"volumes", mean(totals.volumes)}, {"traversals", mean(totals.traversals)}, {"elements", mean(totals.elements)}};
+}
+
+/// Since when nothing can have met, and what that took.
+Json guarantee_of(const std::vector<Row>& rows) {
+  Json json{{"from_frame", nullptr}};
+  if (const auto from = guaranteed_from(rows)) json["from_frame"] = *from;
+  std::int64_t held_back = 0, met = 0;
+  for (const Row& row : rows) held_back += row.held_back_vertices, met += row.impacts_met;
+  json["impacts_met"] = met;
+  json["held_back_vertices"] = held_back;
+  return json;
 }
 
 std::string digits(std::uint64_t fingerprint) {
@@ -143,6 +156,7 @@ std::string summarize_run(const Scene& scene, const RunReport& report) {
   json["iterations"] = scene.options.iterations;
   json["average_per_step"] = averages_per_step(totals, static_cast<double>(last.steps));
   json["average_per_path"] = averages_per_path(totals);
+  if (scene.options.contact.guarantee) json["guarantee"] = guarantee_of(report.frames);
   json["at_start"] = state_at_start(report.frames.front());
   json["at_end"] = state_at_end(scene, report);
   json["frame_seconds"] = {{"average", ratio(totals.frames, static_cast<double>(last.frame))},
@@ -153,6 +167,13 @@ std::string summarize_run(const Scene& scene, const RunReport& report) {
                     {"paths", ratio(totals.paths, totals.steps)}};
   json["seconds"] = {{"steps", totals.steps}, {"frames", totals.frames}};
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::optional<std::int64_t> guaranteed_from(std::span<const FrameStatistics> frames) {
+  auto from = static_cast<std::int64_t>(frames.size()) - 1;
+  while (from > 0 && frames[static_cast<std::size_t>(from)].unguarded_vertices == 0) --from;
+  if (from + 1 == std::ssize(frames)) return std::nullopt;
+  return frames[static_cast<std::size_t>(from)].frame;
 }
 
 std::string describe_crossings(const Scene& scene, std::int64_t frame, const Crossings& crossings) {

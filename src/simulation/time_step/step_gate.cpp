@@ -17,7 +17,8 @@ constexpr double kThinVolume = 0.02, kMinVolume = 0.002;
 constexpr double kCollapseShare = 0.6;
 /// Rounds in which a zone's motion is scaled by its first impact; then by kLaterShare; then nothing but its base motion
 /// is left; then nothing at all.
-constexpr int kImpactRounds = 2, kScaledRounds = 4, kBaseRounds = 7, kMaxRounds = 40;
+constexpr int kImpactRounds = 2, kScaledRounds = 4, kBaseRounds = 7;
+constexpr double kStands = -1, kStandsAlways = -2;
 /// Rounding of positions against sizes of elements: farther away than their ratio the sign of a volume means nothing.
 constexpr double kRounding = 0x1p-40;
 constexpr double kImpactShare = 0.9, kLaterShare = 0.25;
@@ -79,7 +80,8 @@ struct StepGate::Zone {
   }
 };
 
-StepGate::StepGate(const Model& model, Index contact_vertex_count) : model_(model) {
+StepGate::StepGate(const Model& model, Index contact_vertex_count, bool is_strict)
+    : model_(model), is_strict_(is_strict) {
   rest_volumes_.reserve(model.mesh.element_count());
   for (const auto& element : model.mesh.elements())
     rest_volumes_.push_back(element_volume(element, model.rest_positions));
@@ -189,13 +191,15 @@ void StepGate::join_violations(const TriangleMesh& surface, const Carriers& carr
 void StepGate::scale_zones(int round) {
   for (const Index v : members_) {
     if (parents_[v] != v || times_[v] == 1) continue;
-    shares_[v] *= round < kImpactRounds ? std::min(times_[v], kImpactShare) : round < kScaledRounds ? kLaterShare : 0;
-    if (round >= kBaseRounds) shares_[v] = -1;
+    if (shares_[v] >= 0)
+      shares_[v] *= round < kImpactRounds ? std::min(times_[v], kImpactShare) : round < kScaledRounds ? kLaterShare : 0;
+    if (round >= kBaseRounds) shares_[v] = std::min(shares_[v], kStands);
     times_[v] = 1;
   }
 }
 
-void StepGate::move_zones(const Step& step, const Carriers& carriers, std::span<StepVertex> vertices) {
+/// False: no vertex has moved.
+bool StepGate::move_zones(const Step& step, const Carriers& carriers, std::span<StepVertex> vertices) {
   std::map<Index, Zone> zones;
   for (const Index v : members_) {
     Zone& zone = zones[root_of(v)];
@@ -203,11 +207,12 @@ void StepGate::move_zones(const Step& step, const Carriers& carriers, std::span<
     zone.follow(carriers.of_vertex[v]);
   }
   for (const auto& [v, carrier] : touched_) zones[root_of(v)].follow(carrier);
+  bool any_moved = false;
   for (const auto& [root, zone] : zones) {
     const bool stands = shares_[root] < 0;
     const double share = std::max(shares_[root], 0.0);
     BaseMotion base;
-    if (zone.carrier != kNone) {
+    if (zone.carrier != kNone && shares_[root] != kStandsAlways) {
       base = base_of(carriers.motions[zone.carrier]);
     } else if (!stands) {
       base = zone.free_motion(model_, step, targets_);
@@ -216,26 +221,71 @@ void StepGate::move_zones(const Step& step, const Carriers& carriers, std::span<
       if (!(vertices[v].inverse_mass > 0)) continue;
       const Vec3 from = base(step.positions[v]);
       const Vec3 to = from + share * (targets_[v] - from);
+      any_moved |= position(vertices[v]) != to;
       for (int i = 0; i < 3; ++i) vertices[v].position[i] = to[i];
     }
+  }
+  return any_moved;
+}
+
+/// Lets zones in which something meets, or that enter colliders, stand always. False: all do already.
+bool StepGate::stop_carried_zones(const TriangleMesh& surface) {
+  bool any = false;
+  const auto stop = [&](std::span<const Index> vertices) {
+    for (const Index v : vertices) {
+      if (!is_of_model(v) || parents_[v] == kNone) continue;
+      double& share = shares_[root_of(v)];
+      any |= share != kStandsAlways;
+      share = kStandsAlways;
+    }
+  };
+  for (const auto& [vertex, face] : impacts_.pairs.vertex_face) {
+    stop({&vertex, 1});
+    stop(surface.triangles()[face]);
+  }
+  for (const auto& [first, second] : impacts_.pairs.edge_edge) {
+    stop(surface.edges()[first]);
+    stop(surface.edges()[second]);
+  }
+  for (const ColliderEntry& entry : entries_) stop({&entry.vertex, 1});
+  return any;
+}
+
+void StepGate::report_left(const TriangleMesh& surface, GateStatistics& statistics) const {
+  const auto& [vertex_face, edge_edge] = impacts_.pairs;
+  statistics.impacts_left = std::ssize(vertex_face) + std::ssize(edge_edge);
+  statistics.entries_left = std::ssize(entries_);
+  if (!vertex_face.empty()) {
+    const auto& t = surface.triangles()[vertex_face[0].face];
+    statistics.left = {vertex_face[0].vertex, t[0], t[1], t[2]};
+  } else if (!edge_edge.empty()) {
+    const auto &a = surface.edges()[edge_edge[0].first], &b = surface.edges()[edge_edge[0].second];
+    statistics.left = {a[0], a[1], b[0], b[1]};
+  } else if (!entries_.empty()) {
+    statistics.left[0] = entries_[0].vertex;
   }
 }
 
 GateStatistics StepGate::hold_back(ContactFinder& finder, const Step& step, const Carriers& carriers,
                                    std::span<StepVertex> vertices) {
   GateStatistics statistics;
+  statistics.impacts_met = std::ssize(impacts_.pairs.vertex_face) + std::ssize(impacts_.pairs.edge_edge);
+  statistics.collapsing = std::ssize(collapsing_);
   targets_.resize(vertices.size());
   parallel_for(std::ssize(vertices), kGrain, [&](std::int64_t v) { targets_[v] = position(vertices[v]); });
-  for (; has_violations() && statistics.rounds < kMaxRounds; ++statistics.rounds) {
+  for (; has_violations(); ++statistics.rounds) {
     join_violations(finder.surface(), carriers);
     scale_zones(static_cast<int>(statistics.rounds));
-    move_zones(step, carriers, vertices);
+    const bool any_moved = move_zones(step, carriers, vertices);
+    if (!any_moved && statistics.rounds > kBaseRounds &&
+        !(is_strict_ && stop_carried_zones(finder.surface()) && move_zones(step, carriers, vertices)))
+      break;
     find_collapsing_elements(step, vertices);
     find_impacts(finder, vertices);
     find_entries(step, carriers, vertices);
   }
+  report_left(finder.surface(), statistics);
   entries_.clear();
-  statistics.impacts_left = std::ssize(impacts_.pairs.vertex_face) + std::ssize(impacts_.pairs.edge_edge);
   for (const Index v : members_) {
     statistics.held_back_vertices += position(vertices[v]) != targets_[v];
     parents_[v] = kNone;

@@ -24,7 +24,12 @@ struct Carriers {
 struct GateStatistics {
   std::int64_t rounds = 0;              ///< in which vertices were held back
   std::int64_t held_back_vertices = 0;  ///< that end the step elsewhere than the solver left them
+  std::int64_t impacts_met = 0;         ///< pairs that met before anything was held back
+  std::int64_t collapsing = 0;          ///< elements that were about to be inverted then
   std::int64_t impacts_left = 0;        ///< pairs that still meet when the last round is over
+  std::int64_t entries_left = 0;        ///< vertices that were held back, and enter a collider all the same
+  /// Of the first pair that is left, or the vertex that entered a collider; kNone after the last.
+  std::array<Index, 4> left{kNone, kNone, kNone, kNone};
 };
 
 /// Holds vertices back at the end of a step, so that nothing that was free at its start meets on the straight way to
@@ -35,7 +40,8 @@ struct GateStatistics {
 /// has a base motion: that of the handle that holds one of its vertices, or of the collider that one touches; else the
 /// rigid motion that keeps the zone's momentum and angular momentum. The motion of its vertices relative to the base is
 /// scaled down, more from round to round; under the base motion alone, which is affine, nothing in the zone can meet.
-/// Zones that meet others are merged. In the last rounds a zone stands still.
+/// Zones that meet others are merged. In the last rounds a zone stands still, or moves with what carries it; the rounds
+/// end when nothing meets, or a round changes nothing. They do end: zones only grow, and there are only so many.
 ///
 /// Exact: what meets is decided by ContinuousCollisionFinder. Vertices that penetrate at the start of the step, or
 /// belong to an inverted element, are left to contacts. The same bits for any number of threads.
@@ -46,7 +52,8 @@ class StepGate {
  public:
   /// @param model                 must outlive this
   /// @param contact_vertex_count  vertices of the model and, after them, of colliders: see TimeStep::contact_vertices()
-  StepGate(const Model& model, Index contact_vertex_count);
+  /// @param is_strict             where zones that move with what carries them meet all the same, they stand, too
+  StepGate(const Model& model, Index contact_vertex_count, bool is_strict = false);
 
   /// Whether an element is about to be inverted, or something meets.
   /// @param impacts_known  nothing meets: that has been asked since the vertices were last moved
@@ -64,13 +71,16 @@ class StepGate {
   void find_entries(const Step& step, const Carriers& carriers, std::span<const StepVertex> vertices);
   bool has_violations() const { return !impacts_.pairs.empty() || !collapsing_.empty() || !entries_.empty(); }
   void join_violations(const TriangleMesh& surface, const Carriers& carriers);
+  bool stop_carried_zones(const TriangleMesh& surface);
+  void report_left(const TriangleMesh& surface, GateStatistics& statistics) const;
   void join(std::span<const Index> vertices, double time, const Carriers& carriers);
   bool is_of_model(Index vertex) const { return vertex < model_.mesh.vertex_count(); }
   Index root_of(Index vertex);
   void scale_zones(int round);
-  void move_zones(const Step& step, const Carriers& carriers, std::span<StepVertex> vertices);
+  bool move_zones(const Step& step, const Carriers& carriers, std::span<StepVertex> vertices);
 
   const Model& model_;
+  bool is_strict_;
   std::vector<double> rest_volumes_;  ///< (n_elements) [m^3]
 
   std::vector<Vec3> candidate_;  ///< (n_contact_vertices) end of the step as it stands
@@ -80,7 +90,8 @@ class StepGate {
 
   std::vector<Vec3> targets_;   ///< (n_vertices) end of the step as the solver left it
   std::vector<Index> parents_;  ///< (n_vertices) of the union-find over vertices in zones; kNone: in none
-  std::vector<double> shares_;  ///< (n_vertices) of a root: the part of its zone's relative motion that is kept
+  std::vector<double> shares_;  ///< (n_vertices) of a root: the part of its zone's relative motion that is kept;
+                                ///< kStands: it stands but for what carries it; kStandsAlways: it stands
   std::vector<double> times_;   ///< (n_vertices) of a root: the first impact in this round; 1: none
   std::vector<Index> members_;  ///< vertices in zones
   std::vector<std::pair<Index, Index>> touched_;  ///< a vertex in a zone, and the carrier that the zone meets there

@@ -63,7 +63,7 @@ TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle>
                           triangles_after(model.mesh.vertex_count(), collider_surface_.triangles));
   candidate_.resize(all);
   if (contact.hold_back && contact.mode == DetectionMode::kHybrid && !contact.interior_points)
-    gate_.emplace(model, static_cast<Index>(all));
+    gate_.emplace(model, static_cast<Index>(all), contact.guarantee);
 }
 
 void TimeStep::begin(const State& state, std::span<const Vec3> external_forces) {
@@ -82,6 +82,7 @@ void TimeStep::begin(const State& state, std::span<const Vec3> external_forces) 
                                                       [&](const Handle& handle) { return is_released(handle); });
   if (!collider_surface_.positions.empty()) place_collider_surface(state);
   if (contact_finder_) contact_finder_->begin_step(step_.positions);
+  if (gate_) statistics_.unguarded_vertices = contact_finder_->statistics().unguarded_vertices;
   predict(state, external_forces);
   place_handles();
 }
@@ -207,6 +208,24 @@ Carriers TimeStep::carriers() const {
   return carriers;
 }
 
+std::string TimeStep::name_of(Index vertex) const {
+  for (const Body& body : model_.bodies)
+    if (vertex >= body.first_vertex && vertex < body.first_vertex + body.vertex_count)
+      return fmt::format("body '{}'", body.name);
+  if (vertex < vertex_count()) return fmt::format("vertex {}", vertex);
+  return fmt::format("collider {}", collider_surface_.collider_of_vertices[vertex - vertex_count()]);
+}
+
+void TimeStep::refuse_pinch(const GateStatistics& held) const {
+  const Vec3& place = step_.positions[held.left[0]];
+  const std::string first = name_of(held.left[0]), second = held.left[3] == kNone ? "" : name_of(held.left[3]);
+  throw PinchError(
+      fmt::format("step {}, near [{:.4g}, {:.4g}, {:.4g}]", state_steps_ + 1, place[0], place[1], place[2]),
+      held.left[3] == kNone ? fmt::format("{} has no room left between colliders or handles", first)
+                            : fmt::format("{} and {} are led into one another by handles or colliders", first, second),
+      "give them room, or take smaller steps");
+}
+
 void TimeStep::hold_back() {
   if (!gate_) return;
   timed(statistics_.seconds_hold_back, [&] {
@@ -214,7 +233,9 @@ void TimeStep::hold_back() {
     const GateStatistics held = gate_->hold_back(*contact_finder_, step_, carriers(), vertices_);
     statistics_.hold_back_rounds = held.rounds;
     statistics_.held_back_vertices = held.held_back_vertices;
+    statistics_.impacts_met = held.impacts_met;
     statistics_.impacts_left = held.impacts_left;
+    if (options_.contact.guarantee && held.impacts_left + held.entries_left > 0) refuse_pinch(held);
   });
   statistics_.contact = contact_finder_->statistics();
 }

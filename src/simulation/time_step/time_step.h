@@ -45,6 +45,7 @@ class TimeStep {
   void project_colliders();
 
   /// Leaves the state as it was where it throws.
+  /// @throws PinchError  see StepOptions
   void finish(State& state);
 
   /// (n_vertices) where vertices are in this step; those that handles hold have no inverse mass.
@@ -81,6 +82,8 @@ class TimeStep {
   void check_finite() const;
   Carriers carriers() const;
   void hold_back();
+  std::string name_of(Index vertex) const;
+  void refuse_pinch(const GateStatistics& held) const;
 
   const Model& model_;
   StepOptions options_;
