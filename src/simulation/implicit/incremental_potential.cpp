@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace selvage {
 
@@ -265,27 +266,43 @@ bool IncrementalPotential::assemble(std::span<const Vec3> x, bool exact, Eigen::
   return renews;
 }
 
-VertexDerivatives IncrementalPotential::by_vertex(std::span<const Vec3> x, Index v) const {
-  VertexDerivatives sum{masses_[v] * (x[v] - targets_[v]), masses_[v] * Eigen::Matrix3d::Identity()};
-  for (const Index e : model_.mesh.vertex_elements(v)) {
-    const auto& element = model_.mesh.elements()[e];
-    const auto k = static_cast<int>(std::find(element.begin(), element.end(), v) - element.begin());
-    const RestSimplex<3>& rest = elements_[e].rest;
-    const Eigen::Matrix3d f = rest.deformation(corners(e, x));
-    const Eigen::Vector3d b = rest.by_vertex(k);
-    visit_element(e, [&](const auto& energy) {
-      const VertexDerivatives own = energy.material.by_vertex(f, b);
-      sum.gradient += rest.size * own.gradient;
-      sum.hessian += rest.size * own.hessian;
-    });
-  }
+VertexDerivatives IncrementalPotential::inertia_by_vertex(std::span<const Vec3> x, Index v) const {
+  return {masses_[v] * (x[v] - targets_[v]), masses_[v] * Eigen::Matrix3d::Identity()};
+}
+
+void IncrementalPotential::add_element_by_vertex(std::span<const Vec3> x, Index e, Index v,
+                                                 VertexDerivatives& sum) const {
+  const auto& element = model_.mesh.elements()[e];
+  const auto k = static_cast<int>(std::find(element.begin(), element.end(), v) - element.begin());
+  const RestSimplex<3>& rest = elements_[e].rest;
+  const Eigen::Matrix3d f = rest.deformation(corners(e, x));
+  const Eigen::Vector3d b = rest.by_vertex(k);
+  visit_element(e, [&](const auto& energy) {
+    const VertexDerivatives own = energy.material.by_vertex(f, b);
+    sum.gradient += rest.size * own.gradient;
+    sum.hessian += rest.size * own.hessian;
+  });
+}
+
+void IncrementalPotential::add_terms_by_vertex(std::span<const Vec3> x, Index v, std::span<const Index> colours,
+                                               VertexDerivatives& sum) const {
   for (const Index t : terms_of(v)) {
     const OffsetTerm& term = terms_[t];
     const auto i = std::find(term.vertices.begin(), term.vertices.begin() + term.count, v) - term.vertices.begin();
     const OffsetTerm::Derivatives own = term.derivatives(term.offset(x));
     sum.gradient += term.weights[i] * own.gradient;
-    sum.hessian += term.weights[i] * term.weights[i] * own.hessian;
+    double together = std::abs(term.weights[i]);
+    for (int j = 0; j < term.count && !colours.empty(); ++j)
+      if (j != i && colours[term.vertices[j]] == colours[v] && is_free(term.vertices[j]))
+        together += std::abs(term.weights[j]);
+    sum.hessian += std::abs(term.weights[i]) * together * own.hessian;
   }
+}
+
+VertexDerivatives IncrementalPotential::by_vertex(std::span<const Vec3> x, Index v) const {
+  VertexDerivatives sum = inertia_by_vertex(x, v);
+  for (const Index e : model_.mesh.vertex_elements(v)) add_element_by_vertex(x, e, v, sum);
+  add_terms_by_vertex(x, v, {}, sum);
   return sum;
 }
 

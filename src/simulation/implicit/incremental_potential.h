@@ -50,6 +50,14 @@ class IncrementalPotential {
 
   /// Gradient and Hessian by one vertex that is free.
   VertexDerivatives by_vertex(std::span<const Vec3> x, Index v) const;
+  /// Its parts, in their order: inertia, each element of the vertex, and springs, damping of springs and contacts.
+  VertexDerivatives inertia_by_vertex(std::span<const Vec3> x, Index v) const;
+  void add_element_by_vertex(std::span<const Vec3> x, Index element, Index v, VertexDerivatives& sum) const;
+  /// @param colours  (n_vertices) of all vertices that are moved at the same time as v, or empty: v alone. A term that
+  ///                 has several of one colour then counts as much stiffer as makes all their steps together lower it:
+  ///                 (sum w_i d_i)^2 <= sum |w_i| (sum |w_j|) d_i^2.
+  void add_terms_by_vertex(std::span<const Vec3> x, Index v, std::span<const Index> colours,
+                           VertexDerivatives& sum) const;
 
   bool is_free(Index v) const { return masses_[v] > 0; }
   /// Mass over the squared step, 0 for held vertices [N/m].

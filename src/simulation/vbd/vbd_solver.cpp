@@ -4,6 +4,7 @@
 #include "simulation/implicit/implicit_step.h"
 #include "simulation/time_step/check_input.h"
 #include "simulation/vbd/vertex_colours.h"
+#include "simulation/vbd/vertex_stars.h"
 
 #include <Eigen/Cholesky>
 
@@ -11,7 +12,9 @@ namespace selvage {
 
 namespace {
 
+/// Vertices that a task moves, and those whose sums are kept at a time.
 constexpr std::int64_t kSweepGrain = 64;
+constexpr Index kSumsAtOnce = 32;
 
 }  // namespace
 
@@ -19,13 +22,15 @@ struct VbdSolver::Parts {
   VbdOptions options;
   ImplicitStep implicit;
   VertexColours colours;
+  VertexStars stars;
   std::vector<Vec3> moved;  ///< of the vertices of a colour
 
   Parts(const Model& model, const State& initial, std::vector<Handle> handles, std::span<const Collider> colliders,
         const VbdOptions& o)
       : options(o),
         implicit(model, initial, std::move(handles), colliders, options),
-        colours(colour_vertices(model.mesh)) {
+        colours(colour_vertices(model.mesh)),
+        stars(model, colours) {
     check_option(options.iterations > 0, "iterations", options.iterations, "of at least 1");
     check_option(options.residual >= 0, "residual", options.residual, "that is not negative");
     moved.resize(colours.vertices.size());
@@ -35,20 +40,36 @@ struct VbdSolver::Parts {
   void sweep(const IncrementalPotential& potential, std::vector<Vec3>& x) {
     for (Index c = 0; c < colours.colour_count(); ++c) {
       const Index first = colours.first[c], count = colours.first[c + 1] - first;
-      parallel_for(count, kSweepGrain, [&](std::int64_t i) {
-        const Index v = colours.vertices[first + i];
-        moved[first + i] = x[v];
-        if (!potential.is_free(v)) return;
-        const VertexDerivatives own = potential.by_vertex(x, v);
-        const Eigen::Vector3d step = own.hessian.llt().solve(own.gradient);
-        if (step.allFinite()) moved[first + i] -= step;
+      parallel_ranges(count, kSweepGrain, [&](std::int64_t begin, std::int64_t end) {
+        for (; begin < end; begin += kSumsAtOnce)
+          move(potential, x, static_cast<Index>(first + begin),
+               static_cast<Index>(first + std::min<std::int64_t>(begin + kSumsAtOnce, end)));
       });
-      parallel_for(count, 16 * kSweepGrain, [&](std::int64_t i) { x[colours.vertices[first + i]] = moved[first + i]; });
+      parallel_for(count, 16 * kSweepGrain, [&](std::int64_t i) {
+        const Index v = colours.vertices[first + i];
+        x[v] = moved[first + i];
+        stars.place(v, x[v]);
+      });
+    }
+  }
+
+  /// Finds where the vertices at some places of the order of colours move.
+  void move(const IncrementalPotential& potential, std::span<const Vec3> x, Index first, Index last) {
+    StarSums sums[kSumsAtOnce];
+    stars.sum(first, last, sums);
+    for (Index i = first; i < last; ++i) {
+      const Index v = colours.vertices[i];
+      moved[i] = x[v];
+      if (!potential.is_free(v)) continue;
+      const VertexDerivatives own = stars.derivatives(potential, x, i, sums[i - first]);
+      const Eigen::Vector3d step = own.hessian.llt().solve(own.gradient);
+      if (step.allFinite()) moved[i] -= step;
     }
   }
 
   void minimize(IncrementalPotential& potential, bool is_guess, std::vector<Vec3>& x) {
     StepStatistics& statistics = implicit.statistics();
+    stars.place(x);
     for (int iteration = 0; iteration < options.iterations; ++iteration) {
       potential.renew_friction(x, is_guess && iteration == 0);
       sweep(potential, x);

@@ -1,6 +1,7 @@
 #include "simulation/vbd/vertex_colours.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace selvage {
 
@@ -27,6 +28,7 @@ VertexColours colour_vertices(const TetMesh& mesh) {
   std::vector<Index> next(colours.first.begin(), colours.first.end() - 1);
   for (Index v = 0; v < mesh.vertex_count(); ++v)
     if (colour_of[v] != kNone) colours.vertices[next[colour_of[v]]++] = v;
+  colours.of_vertex = std::move(colour_of);
   return colours;
 }
 
