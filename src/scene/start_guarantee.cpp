@@ -26,8 +26,9 @@ std::vector<Index> holders_of(const Scene& scene) {
 }
 
 const Body& body_of(const Model& model, Index vertex) {
-  return *std::ranges::find_if(
-      model.bodies, [&](const Body& b) { return vertex >= b.first_vertex && vertex < b.first_vertex + b.vertex_count; });
+  return *std::ranges::find_if(model.bodies, [&](const Body& b) {
+    return vertex >= b.first_vertex && vertex < b.first_vertex + b.vertex_count;
+  });
 }
 
 }  // namespace
@@ -43,12 +44,12 @@ void check_guarantee(const Scene& scene, const std::string& file) {
     const auto is_held = [&](Index v) { return holders[v] == holder; };
     if (holder == kNone || !std::ranges::all_of(a, is_held) || !std::ranges::all_of(b, is_held)) continue;
     const Vec3& place = scene.initial_state.positions[a[0]];
-    throw Error(fmt::format("{}: contact.guarantee", file),
-                fmt::format("bodies '{}' and '{}' start in one another near [{:.4g}, {:.4g}, {:.4g}], where handles hold "
-                            "both for ever",
-                            body_of(scene.model, a[0]).name, body_of(scene.model, b[0]).name, place[0], place[1],
-                            place[2]),
-                "hold them apart, release one, or give no guarantee");
+    throw Error(
+        fmt::format("{}: contact.guarantee", file),
+        fmt::format("bodies '{}' and '{}' start in one another near [{:.4g}, {:.4g}, {:.4g}], where handles hold "
+                    "both for ever",
+                    body_of(scene.model, a[0]).name, body_of(scene.model, b[0]).name, place[0], place[1], place[2]),
+        "hold them apart, release one, or give no guarantee");
   }
 }
 

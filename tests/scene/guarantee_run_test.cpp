@@ -165,8 +165,8 @@ TEST(GuaranteedRun, IsRefusedWhereItCannotBe) {
   EXPECT_EQ(pinned.substr(0, 69), "s.json: contact.guarantee: bodies 'body0' and 'body1' start in one an") << pinned;
   EXPECT_EQ(error_of(held_boxes("0.1", R"({"keyframes": [{"time": 0}, {"time": 1, "translate": [0, 0, 1]}]})")), "");
   EXPECT_EQ(error_of(held_boxes("0.3", R"({"keyframes": [{"time": 0}]})")), "");
-  for (const std::string other : {R"("mode": "ccd")", R"("hold_back": false)", R"("edges": false)", R"("from_frame": 3)",
-                                  R"("interior_points": true)"}) {
+  for (const std::string other : {R"("mode": "ccd")", R"("hold_back": false)", R"("edges": false)",
+                                  R"("from_frame": 3)", R"("interior_points": true)"}) {
     std::string text = kCubes;
     text.insert(text.find("\"guarantee\""), other + ", ");
     EXPECT_EQ(error_of(text).substr(0, 32), "s.json: contact.guarantee: needs") << error_of(text);

@@ -25,17 +25,18 @@ Options guaranteed(double time_step = 1.0 / 120) {
   return options;
 }
 
-/// Exact detection over steps, with nothing that a guarantee uses but the predicates: bodies, and the edges, corners and
-/// faces of colliders.
+/// Exact detection over steps, with nothing that a guarantee uses but the predicates: bodies, and the edges, corners
+/// and faces of colliders.
 class Judge {
  public:
-  Judge(const Model& model, std::span<const Collider> colliders) : model_(model), colliders_(prepare_colliders(colliders)) {
+  Judge(const Model& model, std::span<const Collider> colliders)
+      : model_(model), colliders_(prepare_colliders(colliders)) {
     collider_surface_ = make_collider_surface(colliders_, element_size_of(model));
     std::vector<VertexTuple<3>> triangles = collider_surface_.triangles;
     for (auto& t : triangles)
       for (Index& v : t) v += model.mesh.vertex_count();
-    surface_ = surface_with_colliders(model.mesh, triangles,
-                                      model.rest_positions.size() + collider_surface_.positions.size());
+    surface_ =
+        surface_with_colliders(model.mesh, triangles, model.rest_positions.size() + collider_surface_.positions.size());
     options_ = options_with_colliders(model.mesh, surface_);
     options_.method = CullingMethod::kBvh;
   }
@@ -46,8 +47,7 @@ class Judge {
   }
 
   std::int64_t pairs(const State& from, const State& to) const {
-    const auto found =
-        ContinuousCollisionFinder(surface_, all_of(from), all_of(to), options_).find_pairs();
+    const auto found = ContinuousCollisionFinder(surface_, all_of(from), all_of(to), options_).find_pairs();
     return std::ssize(found.vertex_face) + std::ssize(found.edge_edge);
   }
 
@@ -55,8 +55,8 @@ class Judge {
   std::vector<Vec3> all_of(const State& state) const {
     std::vector<Vec3> all = state.positions;
     for (std::size_t i = 0; i < collider_surface_.positions.size(); ++i)
-      all.push_back(colliders_[collider_surface_.collider_of_vertices[i]].motion.at(state.time)(
-          collider_surface_.positions[i]));
+      all.push_back(
+          colliders_[collider_surface_.collider_of_vertices[i]].motion.at(state.time)(collider_surface_.positions[i]));
     return all;
   }
 
@@ -79,8 +79,8 @@ struct Flight {
                             make_box({0.4, 0.4, 0.02}, 0.1), make_box({0.45, 0.02, 0.02}, 0.05)};
     std::vector<IndexedMesh> meshes;
     for (int i = 0; i < 6; ++i)
-      meshes.push_back(moved(shapes[random.below(shapes.size())],
-                             {0.8 * (i & 1), 0.8 * (i >> 1 & 1), 0.5 + 0.35 * (i >> 2)}));
+      meshes.push_back(
+          moved(shapes[random.below(shapes.size())], {0.8 * (i & 1), 0.8 * (i >> 1 & 1), 0.5 + 0.35 * (i >> 2)}));
     model = make(meshes, neo_hookean(random.below(2) == 0 ? 2e4 : 1e6, 0.4));
     state = make_state(model, model.rest_positions);
     const double speed = random.within(1, 30);
