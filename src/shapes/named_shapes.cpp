@@ -49,6 +49,13 @@ double unlimited(const Measures&) {
 double count_box(const Measures& m, double cell) {
   return box_cells(m.size, cell).elements;
 }
+/// Eight cells across; fewer, down to one, where that made a thin plate of millions.
+double box_cell(const Measures& m) {
+  constexpr double kMostElements = 50'000, kInCell = 6;
+  const double thin = m.size.minCoeff();
+  const double cell = std::cbrt(kInCell * m.size.prod() / kMostElements);
+  return std::max(thin / 8, cell < thin ? cell : std::sqrt(kInCell * m.size.prod() / thin / kMostElements));
+}
 IndexedMesh make_box_of(const Measures& m, double cell) {
   return make_box(m.size, cell);
 }
@@ -67,13 +74,7 @@ IndexedMesh make_rod_of(const Measures& m, double cell) {
 constexpr unsigned kRod = kLength | kRadius;
 
 const std::array<NamedShape, 15> kShapes = {{
-    {"box",
-     kSize,
-     {.size = {1, 1, 1}},
-     [](const Measures& m) { return m.size.minCoeff() / 8; },
-     unlimited,
-     count_box,
-     make_box_of},
+    {"box", kSize, {.size = {1, 1, 1}}, box_cell, unlimited, count_box, make_box_of},
     {"beam",
      kSize,
      {.size = {6, 0.5, 0.5}},

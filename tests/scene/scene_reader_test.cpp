@@ -108,6 +108,33 @@ TEST(SceneReader, ScalesReplaceValues) {
   EXPECT_NE(scene.canonical, describe_scene(kWhole, kFile, "").canonical);
 }
 
+TEST(SceneReader, TakesMoreStepsWhereDensitiesDifferAndDampsWhatSwings) {
+  const auto described = [](const std::string& densities, const std::string& more) {
+    std::string bodies;
+    for (const char density : densities)
+      bodies +=
+          fmt::format(R"({}{{"mesh": {{"shape": "box"}}, "material": {{"density": {}}}}})", bodies.empty() ? "" : ", ",
+                      density == 'l'   ? 10
+                      : density == 'm' ? 50
+                                       : 5000);
+    return describe_scene(fmt::format(R"({{"selvage_scene": 1, "bodies": [{}]{}}})", bodies, more), kFile, "");
+  };
+  EXPECT_EQ(described("lm", "").substeps, 5);
+  EXPECT_EQ(described("mh", "").substeps, 23);  // 5 * sqrt(100 / 5), rounded up
+  EXPECT_EQ(described("hl", "").substeps, 50);
+  EXPECT_EQ(described("hl", R"(, "substeps": 7)").substeps, 7);
+  EXPECT_EQ(described("hl", R"(, "solver": "newton")").substeps, 5);
+  const SceneDescription scene = described("mh", "");
+  EXPECT_EQ(scene.options.time_step, 1.0 / (60 * 23));
+  EXPECT_EQ(scene.options.deformation_damping, 1);
+  EXPECT_EQ(scene.bodies[0].material.damping, 0.01);
+  EXPECT_EQ(described("l", R"(, "deformation_damping": 0)").options.deformation_damping, 0);
+  EXPECT_EQ(describe_scene(R"({"selvage_scene": 1, "bodies": [{"mesh": {"shape": "box"}}]})", kFile, "")
+                .bodies[0]
+                .material.damping,
+            0.01);
+}
+
 TEST(SceneReader, CompliancesAreModuli) {
   const std::string scene = patched("/bodies/0/material", "\"soft\"");
   const Material material = describe_scene(scene, kFile, "").bodies[0].material;

@@ -164,5 +164,13 @@ TEST(Demonstration, AnOctopusOfThirtyThousandAndANoodleTangle) {
   EXPECT_GT(test::count_buried_vertices(noodle), 200);
 }
 
+TEST(NamedShapes, ThinBoxesAreOfFewElementsWhereNothingSaysHowMany) {
+  for (const Vec3& size : {Vec3(2, 0.02, 1.5), Vec3(100, 100, 0.001), Vec3(50, 0.1, 0.1), Vec3(1, 1, 1)}) {
+    const IndexedMesh box = make_shape("box", {.size = size});
+    EXPECT_LE(box.tetrahedra.size(), 100'000u);
+    EXPECT_GE(box.tetrahedra.size(), 2'000u);
+  }
+}
+
 }  // namespace
 }  // namespace selvage

@@ -179,7 +179,7 @@ class Twin {
       if (v == kNone) return;
     constraint.vertices = std::move(vertices);
     constraints_.push_back(std::move(constraint));
-    damping_.push_back(material.damping / step_);
+    damping_.push_back(std::min(material.damping / step_, 3.0));  // see material_solver.cpp
   }
 
   void add_element(const std::vector<Index>& vertices, const Material& material) {

@@ -25,7 +25,8 @@ struct Material {
   double edge_compliance = 0;    ///< mass-spring [m/N], 0: rigid
   double volume_compliance = 0;  ///< mass-spring [m^6/J], 0: incompressible
   /// Damping relative to stiffness [s]: stretching at a rate r is resisted like a stretch of damping * r (XPBD,
-  /// equation 26). Acts on the rates of the constraints, so that rigid motion is not damped.
+  /// equation 26), in XPBD of three time steps at most. Acts on the rates of the constraints, so that rigid motion is
+  /// not damped.
   double damping = 0;
 };
 

@@ -22,9 +22,11 @@ class PinchError : public Error {
 /// straight way from State::positions before to those after, decided exactly. Where bodies penetrate at the start of a
 /// step, StepStatistics::unguarded_vertices says so.
 struct StepOptions {
-  double time_step = 1.0 / 300;                                ///< [s] of one step
-  Vec3 gravity{0, 0, -9.81};                                   ///< [m/s^2]
-  double velocity_damping = 0;                                 ///< [1/s]
+  double time_step = 1.0 / 300;  ///< [s] of one step
+  Vec3 gravity{0, 0, -9.81};     ///< [m/s^2]
+  double velocity_damping = 0;   ///< of all motion, as in a fluid [1/s]
+  /// Of all motion but the rigid one of each connected piece: what swings comes to rest, and falls as without [1/s].
+  double deformation_damping = 0;
   double max_speed = std::numeric_limits<double>::infinity();  ///< [m/s]
   /// Of bodies on one another and on themselves; colliders have their own.
   Friction friction{.static_coefficient = 0.3, .dynamic_coefficient = 0.2};

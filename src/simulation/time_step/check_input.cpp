@@ -18,6 +18,8 @@ void check_options(const StepOptions& options) {
   check_option(options.time_step > 0 && std::isfinite(options.time_step), "time step", options.time_step, "above 0");
   check_option(options.gravity.allFinite(), "gravity", options.gravity.norm(), "that is finite");
   check_option(options.velocity_damping >= 0, "velocity damping", options.velocity_damping, "that is not negative");
+  check_option(options.deformation_damping >= 0, "deformation damping", options.deformation_damping,
+               "that is not negative");
   check_option(options.max_speed > 0, "largest speed", options.max_speed, "above 0");
   const auto [static_coefficient, dynamic_coefficient] = options.friction;
   const ContactOptions& contact = options.contact;

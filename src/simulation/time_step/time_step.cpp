@@ -45,6 +45,7 @@ TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle>
   }
   collider_states_.resize(vertex_count() * colliders_.size());
   max_corrections_ = max_corrections_of(model);
+  if (options.deformation_damping > 0) damping_.emplace(model);
   if (options.contact.mode != DetectionMode::kOff)
     collider_surface_ = make_collider_surface(colliders_, element_size_of(model));
   const std::size_t all = vertex_count() + collider_surface_.positions.size();
@@ -131,6 +132,12 @@ void TimeStep::place(Index v, const Vec3& position, double inverse_mass) {
 
 void TimeStep::predict(const State& state, std::span<const Vec3> external_forces) {
   const double step = options_.time_step, kept = 1 / (1 + step * options_.velocity_damping);
+  std::span<const Vec3> velocities = state.velocities;
+  if (damping_) {
+    damped_velocities_.assign(velocities.begin(), velocities.end());
+    damping_->apply(1 / (1 + step * options_.deformation_damping), state.positions, damped_velocities_);
+    velocities = damped_velocities_;
+  }
   parallel_for(vertex_count(), kGrain, [&](std::int64_t i) {
     const auto v = static_cast<Index>(i);
     const double inverse_mass = model_.inverse_masses[v];
@@ -138,7 +145,7 @@ void TimeStep::predict(const State& state, std::span<const Vec3> external_forces
     if (inverse_mass > 0) {
       Vec3 acceleration = options_.gravity;
       if (!external_forces.empty()) acceleration += inverse_mass * external_forces[v];
-      velocity = kept * (state.velocities[v] + step * acceleration);
+      velocity = kept * (velocities[v] + step * acceleration);
     }
     place(v, state.positions[v] + step * velocity, inverse_mass);
   });

@@ -6,6 +6,7 @@
 #include "simulation/colliders/collider_surface.h"
 #include "simulation/colliders/project_colliders.h"
 #include "simulation/step.h"
+#include "simulation/time_step/deformation_damping.h"
 #include "simulation/time_step/step_gate.h"
 
 #include <optional>
@@ -92,6 +93,7 @@ class TimeStep {
   std::vector<PreparedCollider> colliders_;
   ColliderSurface collider_surface_;             ///< of the colliders; none where the mode is kOff
   std::optional<ContactFinder> contact_finder_;  ///< none where the mode is kOff
+  std::optional<DeformationDamping> damping_;    ///< none where there is none
   std::optional<StepGate> gate_;                 ///< none where nothing is held back
   bool no_impacts_ = false;                      ///< on the way to where vertices are now
   std::vector<double> max_corrections_;
@@ -101,7 +103,8 @@ class TimeStep {
   std::int64_t state_steps_ = 0;                          ///< State::steps at the start of the step
   std::vector<StepVertex> vertices_;                      ///< (n_contact_vertices)
   std::vector<Vec3> start_positions_, start_velocities_;  ///< (n_contact_vertices) where there are colliders
-  std::vector<Vec3> candidate_;  ///< (n_contact_vertices) end of the step as find_contacts() takes it
+  std::vector<Vec3> damped_velocities_;  ///< (n_vertices) at the start of the step, where deformations are damped
+  std::vector<Vec3> candidate_;          ///< (n_contact_vertices) end of the step as find_contacts() takes it
   std::vector<Contact> contacts_;
   std::vector<Vec3> ejected_;
   std::vector<ColliderContactState> collider_states_;  ///< (n_vertices x n_colliders)

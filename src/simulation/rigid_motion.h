@@ -1,0 +1,36 @@
+#pragma once
+
+#include "selvage/core/types.h"
+
+namespace selvage {
+
+/// Velocities, or displacements, of a rigid body: x moves by shift + linear * (x - centre).
+struct RigidMotion {
+  Eigen::Matrix<double, 3, 3, Eigen::DontAlign> linear = Eigen::Matrix3d::Zero();  ///< skew
+  Vec3 centre = Vec3::Zero(), shift = Vec3::Zero();
+
+  Vec3 operator()(const Vec3& x) const { return shift + linear * (x - centre); }
+};
+
+/// Mass, momentum and angular momentum of moving points, summed one after the other.
+class MomentumSums {
+ public:
+  /// @param origin  near the points: sums are exact but for rounding of distances from it [m]
+  explicit MomentumSums(const Vec3& origin = Vec3::Zero()) : origin_(origin) {}
+
+  void add(double mass, const Vec3& position, const Vec3& velocity);
+  /// Sums of the same origin.
+  void add(const MomentumSums& other);
+
+  /// Of the rigid body with the same momentum and angular momentum. Points in one place or on a line do not turn;
+  /// without points nothing moves.
+  RigidMotion motion() const;
+
+ private:
+  Vec3 origin_;
+  double mass_ = 0;
+  Vec3 first_ = Vec3::Zero(), momentum_ = Vec3::Zero(), angular_ = Vec3::Zero();
+  Eigen::Matrix<double, 3, 3, Eigen::DontAlign> second_ = Eigen::Matrix3d::Zero();  ///< sum of mass * arm * arm^T
+};
+
+}  // namespace selvage

@@ -1,0 +1,65 @@
+#include "simulation/time_step/deformation_damping.h"
+
+#include "core/parallel.h"
+#include "simulation/rigid_motion.h"
+
+#include <algorithm>
+
+namespace selvage {
+
+namespace {
+
+/// Vertices of a slice. Sums depend on it: their order is that of slices.
+constexpr std::size_t kSlice = 4096;
+
+std::vector<Index> pieces_of_vertices(const TetMesh& mesh) {
+  std::vector<Index> pieces(mesh.vertex_count(), kNone);
+  const std::vector<Index> of_elements = mesh.element_components();
+  for (std::size_t e = 0; e < of_elements.size(); ++e)
+    for (const Index v : mesh.elements()[e]) pieces[v] = of_elements[e];
+  return pieces;
+}
+
+}  // namespace
+
+DeformationDamping::DeformationDamping(const Model& model) : model_(model) {
+  const std::vector<Index> pieces = pieces_of_vertices(model.mesh);
+  for (Index v = 0; v < model.mesh.vertex_count(); ++v)
+    if (pieces[v] != kNone && model.inverse_masses[v] > 0) vertices_.push_back(v);
+  std::stable_sort(vertices_.begin(), vertices_.end(), [&](Index a, Index b) { return pieces[a] < pieces[b]; });
+  for (std::size_t i = 0; i < vertices_.size(); ++i) {
+    const Index piece = pieces[vertices_[i]];
+    if (slices_.empty() || slices_.back().piece != piece || i - slices_.back().first == kSlice)
+      slices_.push_back({piece, i, i});
+    slices_.back().last = i + 1;
+    piece_count_ = std::max(piece_count_, piece + 1);
+  }
+}
+
+void DeformationDamping::apply(double kept, std::span<const Vec3> positions, std::span<Vec3> velocities) const {
+  std::vector<Vec3> origins(piece_count_);
+  for (const Slice& slice : slices_) origins[slice.piece] = positions[vertices_[slice.first]];
+  std::vector<MomentumSums> sums(slices_.size());
+  parallel_for(std::ssize(slices_), 1, [&](std::int64_t s) {
+    sums[s] = MomentumSums(origins[slices_[s].piece]);
+    for (std::size_t i = slices_[s].first; i < slices_[s].last; ++i) {
+      const Index v = vertices_[i];
+      sums[s].add(1 / model_.inverse_masses[v], positions[v], velocities[v]);
+    }
+  });
+  std::vector<MomentumSums> of_pieces;
+  for (const Vec3& origin : origins) of_pieces.emplace_back(origin);
+  for (std::size_t s = 0; s < slices_.size(); ++s) of_pieces[slices_[s].piece].add(sums[s]);
+  std::vector<RigidMotion> motions;
+  for (const MomentumSums& piece : of_pieces) motions.push_back(piece.motion());
+  parallel_for(std::ssize(slices_), 1, [&](std::int64_t s) {
+    const RigidMotion& rigid = motions[slices_[s].piece];
+    for (std::size_t i = slices_[s].first; i < slices_[s].last; ++i) {
+      const Index v = vertices_[i];
+      const Vec3 together = rigid(positions[v]);
+      velocities[v] = together + kept * (velocities[v] - together);
+    }
+  });
+}
+
+}  // namespace selvage
