@@ -76,8 +76,8 @@ int run_program(int argc, char** argv) {
   app.footer(
       "`selvage COMMAND --help` explains a command and shows an example.\n"
       "Exit status: 0 done, 1 done and `check` found collisions, 2 bad usage or bad input, 3 the computation failed.");
-  const std::array commands{add_info(app),     add_make(app), add_check(app),  add_paths(app), add_resolve(app),
-                            add_simulate(app), add_view(app), add_export(app), add_bench(app)};
+  const std::array commands{add_info(app),     add_make(app), add_check(app),  add_paths(app),  add_resolve(app),
+                            add_simulate(app), add_view(app), add_render(app), add_export(app), add_bench(app)};
   for (const Command& command : commands) add_common_options(command);
   try {
     std::vector<std::string> words = words_of_help(app, {argv + std::min(argc, 1), argv + argc});

@@ -1,58 +1,15 @@
 #pragma once
 
 #include "page/page.h"
-#include "page/page_surface.h"
-#include "selvage/boundary_path/boundary_path.h"
-#include "selvage/self_collision/self_collision.h"
+#include "scene/reading/marks.h"
+#include "scene/reading/shown_surface.h"
 
 namespace selvage {
-
-/// A point inside with its shortest way out.
-struct MarkedPath {
-  Index vertex;  ///< of the mesh; kNone: a free point
-  Vec3 from, to;
-  double depth;  ///< negative: there is no way out
-};
-
-/// How two marked triangles meet. The first four are TriangleContact's.
-enum class MarkKind : std::int32_t { kNear, kTouching, kCrossing, kCoplanar, kVertexFace, kEdgeEdge };
-
-struct MarkedPair {
-  std::array<Index, 2> triangles;
-  MarkKind kind;
-  std::array<Index, 4> features{kNone, kNone, kNone,
-                                kNone};  ///< during a step: vertex and face, or two edges' vertices
-};
-
-/// All that is marked in one pose.
-struct Marks {
-  std::vector<MarkedPath> paths;
-  std::vector<MarkedPair> pairs;
-
-  bool empty() const { return paths.empty() && pairs.empty(); }
-};
 
 /// Stores the marks of a pose as block `marks<pose>`, and notes in the page that there is one: three int32, the number
 /// of paths, of pairs, and whether there are features; by pack_integers() the shown vertex of each path (or -1); of
 /// each path seven float32, its depth, `from` and `to`; by pack_integers() the triangles of each pair, and its
 /// features; a byte for the kind of each.
 void add_marks(Page& page, const ShownSurface& surface, std::size_t pose, const Marks& marks);
-
-/// Finds the marks of the poses of one mesh of tetrahedra: boundary vertices inside an element that is not theirs, with
-/// the longest of their ways out, and the first kMaxPairs pairs of boundary triangles that cross.
-class MarkFinder {
- public:
-  /// @param mesh  must outlive the finder
-  MarkFinder(const TetMesh& mesh, std::span<const Vec3> positions);
-  Marks find(std::span<const Vec3> positions);
-
-  /// More than one can look at, and than a page of many poses should hold.
-  static constexpr std::size_t kMaxPairs = 20'000;
-
- private:
-  TriangleMesh surface_;
-  BoundaryPathFinder<3> paths_;
-  SelfCollisionFinder pairs_;
-};
 
 }  // namespace selvage

@@ -7,12 +7,6 @@
 
 namespace selvage {
 
-std::vector<VertexTuple<3>> surface_triangles(const IndexedMesh& mesh) {
-  if (mesh.tetrahedra.empty()) return mesh.triangles;
-  const TetMesh solid(static_cast<Index>(mesh.positions.size()), mesh.tetrahedra);
-  return {solid.boundary_faces().begin(), solid.boundary_faces().end()};
-}
-
 void add_mesh(Page& page, const IndexedMesh& mesh, const std::vector<Vec3>* other_pose, const Marks& marks) {
   const auto triangles = surface_triangles(mesh);
   const ShownSurface surface(mesh.positions.size(), triangles);

@@ -12,9 +12,6 @@ namespace selvage {
 /// @throws Error  as read_mesh(), or when the page would be longer than browsers open
 std::string print_mesh_page(const std::filesystem::path& path);
 
-/// The triangles of a mesh that are drawn, in the order in which `check` numbers them.
-std::vector<VertexTuple<3>> surface_triangles(const IndexedMesh& mesh);
-
 /// Puts a mesh in a page: its surface, its poses one after the other, and what is marked in the first.
 /// @param other_pose  null, or positions of the same vertices: a second pose, which a slider blends with the first
 void add_mesh(Page& page, const IndexedMesh& mesh, const std::vector<Vec3>* other_pose, const Marks& marks);

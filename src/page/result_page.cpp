@@ -1,12 +1,7 @@
 #include "page/result_page.h"
 
-#include "io/whole_file.h"
 #include "page/mesh_page.h"
-#include "selvage/core/error.h"
-
-#include <fmt/format.h>
-
-#include <unordered_map>
+#include "scene/reading/stored_result.h"
 
 namespace selvage {
 
@@ -14,158 +9,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-/// A result and the meshes that it names.
-class Result {
- public:
-  explicit Result(const fs::path& path) : path_(path) {
-    json_ = Json::parse(read_whole_file(path), nullptr, false);
-    if (json_.is_discarded()) throw Error(path.string(), "is no JSON", "give a file that --json wrote");
-    if (!json_.is_object() || !json_.contains("kind") || !json_["kind"].is_string())
-      throw Error(path.string(), "is no result of selvage", "give what check, paths or resolve wrote with --json");
-    kind_ = json_["kind"];
-    if (json_.value("schema", 0) != 1) refuse("has another schema than 1");
-    mesh = read_mesh(find(text("mesh")));
-    triangles = surface_triangles(mesh);
-  }
-
-  const std::string& kind() const { return kind_; }
-  const Json& json() const { return json_; }
-  bool has(const char* key) const { return json_.contains(key); }
-
-  std::string text(const char* key) const {
-    if (!has(key) || !json_[key].is_string()) refuse(fmt::format("names no {}", key));
-    return json_[key];
-  }
-
-  /// The file of that name, from here or from the folder of the result.
-  fs::path find(const fs::path& name) const {
-    const fs::path beside = path_.parent_path() / name;
-    return !fs::exists(name) && fs::exists(beside) ? beside : name;
-  }
-
-  /// Positions of the same mesh in another file.
-  std::vector<Vec3> read_pose(const fs::path& name) const {
-    IndexedMesh other = read_mesh(find(name));
-    if (other.positions.size() != mesh.positions.size() || surface_triangles(other) != triangles)
-      throw Error(name.string(), fmt::format("has other vertices or elements than {}", text("mesh")),
-                  "give the same mesh in another pose");
-    return std::move(other.positions);
-  }
-
-  const Json& list(const char* key) const {
-    if (!has(key) || !json_[key].is_array()) refuse(fmt::format("has no {}", key));
-    return json_[key];
-  }
-
-  /// Item i of a list of whole numbers from 0 to below `end`.
-  Index number(const Json& items, std::size_t i, std::size_t end) const {
-    if (!items.is_array() || i >= items.size() || !items[i].is_number_integer() || items[i] < 0 || items[i] >= end)
-      refuse(fmt::format("does not fit the mesh {}", text("mesh")));
-    return items[i];
-  }
-
-  [[noreturn]] void refuse(const std::string& what) const {
-    throw Error(path_.string(), what, "write it anew with --json, of the mesh as it is");
-  }
-
-  IndexedMesh mesh;
-  std::vector<VertexTuple<3>> triangles;
-
- private:
-  fs::path path_;
-  Json json_;
-  std::string kind_;
-};
-
-MarkKind kind_of(const std::string& contact) {
-  if (contact == "crossing") return MarkKind::kCrossing;
-  if (contact == "coplanar overlap") return MarkKind::kCoplanar;
-  return contact == "touching" ? MarkKind::kTouching : MarkKind::kNear;
-}
-
-Marks discrete_marks(const Result& result) {
-  Marks marks;
-  const Json &pairs = result.list("triangle_pairs"), &contacts = result.list("contacts");
-  if (contacts.size() != pairs.size()) result.refuse("has other numbers of pairs and contacts");
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const auto triangle = [&](std::size_t k) { return result.number(pairs[i], k, result.triangles.size()); };
-    if (!contacts[i].is_string()) result.refuse("has a contact without a name");
-    marks.pairs.push_back({{triangle(0), triangle(1)}, kind_of(contacts[i])});
-  }
-  return marks;
-}
-
-/// A triangle of each edge and of each vertex.
-class Triangles {
- public:
-  explicit Triangles(const Result& result) : result_(result), of_vertex_(result.mesh.positions.size(), kNone) {
-    for (std::size_t t = 0; t < result.triangles.size(); ++t)
-      for (std::size_t i = 0; i < 3; ++i) {
-        const Index a = result.triangles[t][i], b = result.triangles[t][(i + 1) % 3];
-        of_vertex_[static_cast<std::size_t>(a)] = static_cast<Index>(t);
-        of_edge_[key(a, b)] = static_cast<Index>(t);
-      }
-  }
-
-  Index of_vertex(Index v) const { return checked(of_vertex_[static_cast<std::size_t>(v)]); }
-  Index of_edge(Index a, Index b) const {
-    const auto found = of_edge_.find(key(a, b));
-    return checked(found == of_edge_.end() ? kNone : found->second);
-  }
-
- private:
-  static std::uint64_t key(Index a, Index b) {
-    return static_cast<std::uint64_t>(std::min(a, b)) << 32 | static_cast<std::uint64_t>(std::max(a, b));
-  }
-  Index checked(Index triangle) const {
-    if (triangle == kNone) result_.refuse("names a vertex or an edge that no triangle has");
-    return triangle;
-  }
-
-  const Result& result_;
-  std::vector<Index> of_vertex_;
-  std::unordered_map<std::uint64_t, Index> of_edge_;
-};
-
-Marks continuous_marks(const Result& result) {
-  Marks marks;
-  const Triangles triangles(result);
-  const std::size_t vertices = result.mesh.positions.size();
-  for (const Json& pair : result.list("vertex_face")) {
-    const Index v = result.number(pair, 0, vertices), f = result.number(pair, 1, result.triangles.size());
-    marks.pairs.push_back({{triangles.of_vertex(v), f}, MarkKind::kVertexFace, {v, f, kNone, kNone}});
-  }
-  for (const Json& pair : result.list("edge_edge")) {
-    std::array<Index, 4> e{};
-    for (std::size_t i = 0; i < 4; ++i) e[i] = result.number(pair, i, vertices);
-    marks.pairs.push_back({{triangles.of_edge(e[0], e[1]), triangles.of_edge(e[2], e[3])}, MarkKind::kEdgeEdge, e});
-  }
-  return marks;
-}
-
-Marks path_marks(const Result& result) {
-  Marks marks;
-  const auto vertices = static_cast<std::int64_t>(result.mesh.positions.size());
-  for (const Json& row : result.list("paths")) {
-    const auto coordinate = [&](const char* key) {
-      if (!row.is_object() || !row.contains(key) || !row[key].is_number()) result.refuse("has a path without a place");
-      return row[key].get<double>();
-    };
-    MarkedPath path{kNone, {coordinate("x"), coordinate("y"), coordinate("z")}, {}, -1};
-    path.to = path.from;
-    if (row.value("found", 0) == 1) {
-      path.to = {coordinate("sx"), coordinate("sy"), coordinate("sz")};
-      path.depth = coordinate("distance");
-    }
-    // Queries are vertices only where no points were asked about: then they stand in their vertex's place.
-    const auto query = row.value("query", std::int64_t{-1});
-    if (query >= 0 && query < vertices && result.mesh.positions[static_cast<std::size_t>(query)] == path.from)
-      path.vertex = static_cast<Index>(query);
-    marks.paths.push_back(path);
-  }
-  return marks;
-}
 
 void add_numbers(Page& page, const std::string& group, const Json& numbers) {
   if (!numbers.is_object()) return;
@@ -176,7 +19,7 @@ void add_numbers(Page& page, const std::string& group, const Json& numbers) {
 }  // namespace
 
 std::string print_result_page(const fs::path& path, const fs::path& after) {
-  const Result result(path);
+  const StoredResult result(path, after);
   const std::string& kind = result.kind();
   Page page(kind, fs::path(result.text("mesh")).filename().string());
   for (const char* group : {"statistics", "seconds", "displacement", "before", "after", "defects"})
@@ -185,26 +28,7 @@ std::string print_result_page(const fs::path& path, const fs::path& after) {
     if (result.has(fact) && result.json()[fact].is_string()) page.add_fact("result", fact, result.text(fact));
   for (const char* fact : {"free_step", "queries", "found", "no_path", "deepest"})
     if (result.has(fact)) page.add_fact("result", fact, result.json()[fact].dump());
-  if (kind == "discrete") {
-    add_mesh(page, result.mesh, nullptr, discrete_marks(result));
-  } else if (kind == "continuous") {
-    const auto end = result.read_pose(result.text("to"));
-    add_mesh(page, result.mesh, &end, continuous_marks(result));
-  } else if (kind == "paths") {
-    add_mesh(page, result.mesh, nullptr, path_marks(result));
-  } else if (kind == "resolve") {
-    if (after.empty() && !result.has("output"))
-      result.refuse("names no mesh that was written, since the mesh was not resolved");
-    const auto end = result.read_pose(after.empty() ? fs::path(result.text("output")) : after);
-    Marks marks;
-    if (!result.mesh.tetrahedra.empty()) {
-      const TetMesh solid(static_cast<Index>(result.mesh.positions.size()), result.mesh.tetrahedra);
-      marks = MarkFinder(solid, result.mesh.positions).find(result.mesh.positions);
-    }
-    add_mesh(page, result.mesh, &end, marks);
-  } else {
-    result.refuse(fmt::format("is of the kind '{}', of which there is no page", kind));
-  }
+  add_mesh(page, result.mesh, result.end_pose ? &*result.end_pose : nullptr, result.find_marks());
   return page.print();
 }
 

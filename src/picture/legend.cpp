@@ -1,6 +1,6 @@
 #include "picture/legend.h"
 
-#include "picture/composition.h"
+#include "picture/composing/composition.h"
 #include "picture/drawing/ink.h"
 
 #include <fmt/format.h>

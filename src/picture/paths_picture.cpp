@@ -1,10 +1,10 @@
 #include "picture/paths_picture.h"
 
-#include "picture/composition.h"
+#include "picture/composing/composition.h"
+#include "picture/composing/surface_corners.h"
 #include "picture/drawing/camera.h"
 #include "picture/drawing/ink.h"
 #include "picture/legend.h"
-#include "picture/surface_corners.h"
 #include "selvage/core/error.h"
 
 #include <algorithm>
@@ -31,17 +31,6 @@ std::vector<Vec3> used_positions(const PathsDrawing& scene) {
   return points;
 }
 
-/// Three consecutive corners for each triangle that passes the test.
-template <typename Test>
-std::vector<VertexTuple<3>> corner_triangles(std::size_t count, const Test& test) {
-  std::vector<VertexTuple<3>> triangles;
-  for (std::size_t t = 0; t < count; ++t) {
-    const Index first = static_cast<Index>(3 * t);
-    if (test(t)) triangles.push_back({first, first + 1, first + 2});
-  }
-  return triangles;
-}
-
 double mean_edge_pixels(const PathsDrawing& scene, const Camera& camera) {
   double sum = 0;
   for (const auto& [a, b, c] : scene.surface) {
@@ -56,15 +45,23 @@ PictureContent make_content(const PathsDrawing& scene, const PictureOptions& opt
   std::vector<double> value(scene.vertex_depth.begin(), scene.vertex_depth.end());
   for (double& v : value) v = v < 0 ? -1 : v / deepest;
   PictureContent content{options.width, options.height, options.samples, {}, {}};
-  auto corners = place_corners(scene.positions, scene.surface, camera, value);
-  content.body = {corners, corner_triangles(scene.surface.size(), [](std::size_t) { return true; })};
-  for (ScreenVertex& corner : content.body.vertices) corner.weight = 1;
-  const auto penetrates = [&](std::size_t t) {
-    return corners[3 * t].weight + corners[3 * t + 1].weight + corners[3 * t + 2].weight > 0;
-  };
+  PlacedSurface surface{scene.positions, scene.surface};
+  surface.vertex_value = value;
+  add_surface(surface, camera, {0, 0, static_cast<double>(options.width), static_cast<double>(options.height)},
+              content.body);
   content.planar = !scene.outline.empty();
-  if (!content.planar) content.inner.triangles = corner_triangles(scene.surface.size(), penetrates);
-  content.inner.vertices = std::move(corners);
+  if (!content.planar) {
+    content.inner.vertices = content.body.vertices;
+    for (const auto& triangle : content.body.triangles) {
+      const auto weight = [&](Index v) { return content.inner.vertices[v].weight; };
+      if (weight(triangle[0]) + weight(triangle[1]) + weight(triangle[2]) > 0)
+        content.inner.triangles.push_back(triangle);
+    }
+    content.camera = camera;
+    content.lamps = default_lamps(camera, Vec3::UnitZ());
+    add_occluders(surface, content.occluders);
+  }
+  for (ScreenVertex& corner : content.body.vertices) corner.weight = 1;
   content.wireframe = mean_edge_pixels(scene, camera) > kWireframePixels;
   content.feature = static_cast<float>(kFeatureSize * camera.scene_radius());
   content.pixels_at_one = static_cast<float>(camera.pixels_per_metre(1));
@@ -112,7 +109,9 @@ Image draw_paths(const PathsDrawing& scene, const PictureOptions& options) {
   const double width = options.width, height = options.height;
   const Frame frame{0.04 * width, 0.05 * height, 0.87 * width, 0.91 * height};
   const bool planar = !scene.outline.empty();
-  const Camera camera(used_positions(scene), planar ? Vec3(0, 0, 1) : options.towards, frame);
+  View view;
+  view.towards = planar ? Vec3(0, 0, 1) : options.towards;
+  const Camera camera(used_positions(scene), view, frame);
   double deepest = 0;
   for (const double d : scene.vertex_depth) deepest = std::max(deepest, d);
   for (const DrawnPath& path : scene.paths) deepest = std::max(deepest, path.depth);

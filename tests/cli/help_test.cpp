@@ -9,8 +9,8 @@ namespace {
 
 class HelpTest : public ProgramTest {
  protected:
-  const std::vector<std::string> kCommands{"info",     "make", "check",  "paths", "resolve",
-                                           "simulate", "view", "export", "bench"};
+  const std::vector<std::string> kCommands{"info",     "make", "check",  "paths",  "resolve",
+                                           "simulate", "view", "render", "export", "bench"};
 
   /// The lines of a command's help behind the one that begins with `title`, up to an empty one.
   std::vector<std::string> lines_below(const std::string& command, const std::string& title) const {

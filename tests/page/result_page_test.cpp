@@ -275,7 +275,7 @@ TEST(ResultPage, RefusesWhatIsNoResultOrDoesNotFit) {
   refused(R"({"kind": "discrete", "schema": 2})", {"schema"});
   refused(R"({"kind": "discrete", "schema": 1})", {"names no mesh"});
   refused(R"({"kind": "discrete", "schema": 1, "mesh": "none.vtu"})", {"none.vtu"});
-  refused(R"({"kind": "simulation", "schema": 1, "mesh": "a.vtu"})", {"'simulation'", "no page"});
+  refused(R"({"kind": "simulation", "schema": 1, "mesh": "a.vtu"})", {"'simulation'", "cannot be shown"});
   refused(R"({"kind": "discrete", "schema": 1, "mesh": "a.vtu"})", {"has no triangle_pairs"});
   const std::string pairs = R"({"kind": "discrete", "schema": 1, "mesh": "a.vtu", "contacts": ["crossing"], )";
   refused(pairs + R"("triangle_pairs": [[0, 4]]})", {"does not fit the mesh a.vtu"});

@@ -37,11 +37,19 @@ TEST(Colour, DepthsGetDarkerByEqualSteps) {
   EXPECT_TRUE((depth_colour(7) == depth_colour(1)).all());
 }
 
+View from_above() {
+  View view;
+  view.towards = Vec3(0, 0, 1);
+  return view;
+}
+
 TEST(Camera, ShowsAllPointsAsLargeAsTheFrameAllows) {
   const std::vector<Vec3> points{{0, 0, 0}, {3, 0, 0}, {0, 2, 0}, {0, 0, 1}, {-1, -1, -1}};
   const Frame frame{10, 20, 310, 220};
   for (const Vec3& towards : {Vec3(0, 0, 1), Vec3(0, 0, -1), Vec3(1, 2, 3), Vec3(0, -1, 0)}) {
-    const Camera camera(points, towards, frame);
+    View view;
+    view.towards = towards;
+    const Camera camera(points, view, frame);
     double left = INFINITY, right = -INFINITY, top = INFINITY, bottom = -INFINITY;
     for (const Vec3& p : points) {
       const Vec3 at = camera.project(p);
@@ -59,7 +67,7 @@ TEST(Camera, ShowsAllPointsAsLargeAsTheFrameAllows) {
 
 TEST(Camera, LooksAtAPlaneWithXToTheRightAndYUp) {
   const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  const Camera camera(points, Vec3(0, 0, 1), {0, 0, 100, 100});
+  const Camera camera(points, from_above(), {0, 0, 100, 100});
   EXPECT_GT(camera.project(points[1])[0], camera.project(points[0])[0]);
   EXPECT_LT(camera.project(points[2])[1], camera.project(points[0])[1]);
   EXPECT_GT(camera.project({0, 0, -1})[2], camera.project({0, 0, 1})[2]);

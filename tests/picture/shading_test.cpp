@@ -1,6 +1,6 @@
 #include "picture/drawing/shading.h"
-#include "picture/composition.h"
-#include "picture/surface_corners.h"
+#include "picture/composing/composition.h"
+#include "picture/composing/surface_corners.h"
 
 #include <gtest/gtest.h>
 
@@ -22,32 +22,31 @@ SurfaceLayer stepped_wall(float step) {
 }
 
 TEST(Shading, FlatWallIsOpenAndTheFootOfAStepIsNot) {
-  const Openness flat(stepped_wall(0), 0.8f, 100);
+  const LightField flat(stepped_wall(0), {}, 0.8f, 100);
   for (float y = 0; y < kSize; y += 0.25f)
-    for (float x = 0; x < kSize; x += 0.25f) EXPECT_EQ(flat.at(x, y, 10), 1);
-  const Openness open(stepped_wall(0.5f), 0.8f, 100);
-  const float foot = open.at(kSize / 2 + 1.5f, 32.5f, 10);
+    for (float x = 0; x < kSize; x += 0.25f) EXPECT_EQ(flat.at(x, y, 10).open, 1);
+  const LightField open(stepped_wall(0.5f), {}, 0.8f, 100);
+  const float foot = open.at(kSize / 2 + 1.5f, 32.5f, 10).open;
   EXPECT_LT(foot, 0.9f);
-  EXPECT_GT(open.at(kSize - 1.5f, 32.5f, 10), foot);
-  EXPECT_EQ(open.at(4.5f, 32.5f, 9.5f), 1) << "the upper side of the step";
-  EXPECT_EQ(open.at(kSize / 2 + 1.5f, 32.5f, 9.5f), 1) << "the upper side, seen beside its edge";
+  EXPECT_GT(open.at(kSize - 1.5f, 32.5f, 10).open, foot);
+  EXPECT_EQ(open.at(4.5f, 32.5f, 9.5f).open, 1) << "the upper side of the step";
 }
 
 TEST(Shading, NothingThereIsOpen) {
-  const Openness nowhere, empty(SurfaceLayer(kSize, {0, kSize}), 1, 100);
+  const LightField nowhere, empty(SurfaceLayer(kSize, {0, kSize}), {}, 1, 100);
   for (const float x : {0.f, 7.f, kSize - 0.1f}) {
-    EXPECT_EQ(nowhere.at(x, 3, 1), 1);
-    EXPECT_EQ(empty.at(x, 3, 1), 1);
+    EXPECT_EQ(nowhere.at(x, 3, 1).open, 1);
+    EXPECT_EQ(empty.at(x, 3, 1).open, 1);
   }
 }
 
 TEST(Shading, LightComesFromAboveAndClosedPlacesAreDark) {
   const Rgb grey = Rgb::Constant(0.5f);
-  const Rgb up = shade(grey, {0, -0.7f, -0.7f}, 1), down = shade(grey, {0, 0.7f, -0.7f}, 1);
+  const Rgb up = shade(grey, {0, -0.7f, -0.7f}, {}), down = shade(grey, {0, 0.7f, -0.7f}, {});
   EXPECT_GT(up[0], down[0]);
-  EXPECT_LT(shade(grey, {0, 0, -1}, 0.2f)[0], shade(grey, {0, 0, -1}, 1)[0]);
-  EXPECT_TRUE((shade(grey, {0, 0, -1}, 1) == shade(grey, {0, 0, -5}, 1)).all());
-  EXPECT_TRUE(shade(grey, {0, 0, 0}, 1).isFinite().all());
+  EXPECT_LT(shade(grey, {0, 0, -1}, {0.2f, 1, 1})[0], shade(grey, {0, 0, -1}, {})[0]);
+  EXPECT_TRUE((shade(grey, {0, 0, -1}, {}) == shade(grey, {0, 0, -5}, {})).all());
+  EXPECT_TRUE(shade(grey, {0, 0, 0}, {}).isFinite().all());
 }
 
 TEST(Shading, OutlineRunsOnTheNearSideOfAStep) {
@@ -81,8 +80,10 @@ TEST(SurfaceCorners, CubeKeepsItsEdgesSharp) {
   const std::vector<Vec3> x{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, -1}, {1, 1, -1}};
   const std::vector<VertexTuple<3>> faces{{0, 1, 2}, {0, 2, 3}, {1, 4, 5}, {1, 5, 2}};
   const std::vector<double> value{0.5, -1, 1, 1, 1, 1};
-  const Camera camera(x, Vec3(0, 0, 1), {0, 0, 100, 100});
-  const auto corners = place_corners(x, faces, camera, value);
+  View view;
+  view.towards = Vec3(0, 0, 1);
+  const Camera camera(x, view, {0, 0, 100, 100});
+  const auto corners = place_corners({x, faces, value}, camera);
   ASSERT_EQ(corners.size(), 12u);
   for (int i = 0; i < 6; ++i) EXPECT_NEAR(corners[i].normal[2], -1, 1e-6f) << "the face turned to the eye";
   for (int i = 6; i < 12; ++i) EXPECT_NEAR(corners[i].normal[0], 1, 1e-6f) << "the face turned to the right";
@@ -95,8 +96,10 @@ TEST(SurfaceCorners, CubeKeepsItsEdgesSharp) {
 TEST(SurfaceCorners, GentleBendIsSmooth) {
   const std::vector<Vec3> x{{0, 0, 0}, {1, 0, 0.2}, {1, 1, 0.2}, {0, 1, 0}, {2, 0, 0}, {2, 1, 0}};
   const std::vector<VertexTuple<3>> faces{{0, 1, 2}, {0, 2, 3}, {1, 4, 5}, {1, 5, 2}};
-  const Camera camera(x, Vec3(0, 0, 1), {0, 0, 100, 100});
-  const auto corners = place_corners(x, faces, camera, std::vector<double>(6, -1));
+  View view;
+  view.towards = Vec3(0, 0, 1);
+  const Camera camera(x, view, {0, 0, 100, 100});
+  const auto corners = place_corners({x, faces}, camera);
   // The corner at vertex 1 is the same for the triangles on both sides of the bend.
   EXPECT_LT((corners[1].normal - corners[6].normal).norm(), 1e-6f);
   EXPECT_GT((corners[0].normal - corners[1].normal).norm(), 0.05f);

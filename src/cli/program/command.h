@@ -46,6 +46,7 @@ Command add_paths(CLI::App& app);
 Command add_resolve(CLI::App& app);
 Command add_simulate(CLI::App& app);
 Command add_view(CLI::App& app);
+Command add_render(CLI::App& app);
 Command add_export(CLI::App& app);
 Command add_bench(CLI::App& app);
 

@@ -7,11 +7,32 @@
 
 namespace selvage {
 
-void write_png(const std::filesystem::path& path, const Image& image) {
+std::vector<std::array<std::uint8_t, 3>> srgb_bytes(const Image& image) {
   std::vector<std::array<std::uint8_t, 3>> bytes(static_cast<std::size_t>(image.width()) * image.height());
   parallel_for(image.height(), 16, [&](std::int64_t y) {
     for (int x = 0; x < image.width(); ++x) bytes[y * image.width() + x] = to_srgb(image.at(x, static_cast<int>(y)));
   });
+  return bytes;
+}
+
+Image join_images(std::span<const Image> images) {
+  int width = 0, height = 0;
+  for (const Image& image : images) {
+    width += image.width();
+    height = std::max(height, image.height());
+  }
+  Image joined(width, height, Rgb::Ones());
+  int left = 0;
+  for (const Image& image : images) {
+    for (int y = 0; y < image.height(); ++y)
+      for (int x = 0; x < image.width(); ++x) joined.at(left + x, y) = image.at(x, y);
+    left += image.width();
+  }
+  return joined;
+}
+
+void write_png(const std::filesystem::path& path, const Image& image) {
+  const auto bytes = srgb_bytes(image);
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
   png.width = static_cast<png_uint_32>(image.width());

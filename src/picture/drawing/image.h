@@ -2,7 +2,10 @@
 
 #include "picture/drawing/colour.h"
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
+#include <span>
 #include <vector>
 
 namespace selvage {
@@ -22,6 +25,12 @@ class Image {
   int width_, height_;
   std::vector<Rgb> pixels_;
 };
+
+/// The picture as 8-bit sRGB, row by row.
+std::vector<std::array<std::uint8_t, 3>> srgb_bytes(const Image& image);
+
+/// Pictures of one height side by side.
+Image join_images(std::span<const Image> images);
 
 /// Writes the picture as an 8-bit sRGB PNG file. The same image gives the same bytes.
 /// @throws SystemError  when the file cannot be written

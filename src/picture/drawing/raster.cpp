@@ -1,6 +1,7 @@
 #include "picture/drawing/raster.h"
 
 #include "core/parallel.h"
+#include "picture/drawing/covered_samples.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,51 +12,70 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-struct SampleRange {
-  int x0, x1, y0, y1;  // half open
-};
-
-SampleRange clip(float left, float right, float top, float bottom, int width, const Rows& rows) {
-  const auto to_int = [](float v) { return static_cast<int>(std::clamp(v, -1.f, 1e6f)); };
-  return {std::max(0, to_int(std::floor(left))), std::min(width, to_int(std::ceil(right)) + 1),
-          std::max(rows.first, to_int(std::floor(top))), std::min(rows.last, to_int(std::ceil(bottom)) + 1)};
-}
-
-/// Twice the signed area of (a, b, (x, y)).
-float side(const ScreenVertex& a, const ScreenVertex& b, float x, float y) {
-  return (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x);
-}
-
 float length(const ScreenVertex& a, const ScreenVertex& b) {
   return std::hypot(b.x - a.x, b.y - a.y);
 }
 
-void draw_triangle(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c, const Rows& rows,
-                   SurfaceLayer& layer) {
-  const float area = side(a, b, c.x, c.y);
-  if (area == 0 || !std::isfinite(area)) return;
-  const SampleRange range = clip(std::min({a.x, b.x, c.x}), std::max({a.x, b.x, c.x}), std::min({a.y, b.y, c.y}),
-                                 std::max({a.y, b.y, c.y}), layer.width, rows);
-  const Eigen::Array3f heights = std::abs(area) / Eigen::Array3f(length(b, c), length(c, a), length(a, b));
-  const Eigen::Array3f depths(a.distance, b.distance, c.distance), values(a.value, b.value, c.value);
-  const Eigen::Array3f weights(a.weight, b.weight, c.weight);
-  for (int y = range.y0; y < range.y1; ++y) {
-    for (int x = range.x0; x < range.x1; ++x) {
-      const float px = static_cast<float>(x) + 0.5f, py = static_cast<float>(y) + 0.5f;
-      const Eigen::Array3f bary = Eigen::Array3f(side(b, c, px, py), side(c, a, px, py), side(a, b, px, py)) / area;
-      if ((bary < 0).any()) continue;
-      if ((bary * weights).sum() < 0.5f) continue;
-      const float distance = (bary * depths).sum();
-      const std::size_t i = layer.index(x, y);
-      layer.count[i] = static_cast<std::uint8_t>(std::min(layer.count[i] + 1, 255));
-      if (distance >= layer.distance[i]) continue;
-      const Eigen::Vector3f normal = bary[0] * a.normal + bary[1] * b.normal + bary[2] * c.normal;
-      layer.distance[i] = distance;
-      layer.normal[i] = normal[2] > 0 ? Eigen::Vector3f(-normal) : normal;
-      layer.value[i] = (bary * values).sum();
-      layer.edge[i] = (bary * heights).minCoeff();
-    }
+/// A triangle in samples, whose values are interpolated in space, not on the picture.
+struct SampledTriangle {
+  ScreenVertex a, b, c;
+  FixedPoint pa, pb, pc;
+
+  SampledTriangle(const ScreenSurface& surface, std::size_t t, int samples)
+      : a(place(surface, t, 0, samples)),
+        b(place(surface, t, 1, samples)),
+        c(place(surface, t, 2, samples)),
+        pa(snap(a.x, a.y)),
+        pb(snap(b.x, b.y)),
+        pc(snap(c.x, c.y)) {}
+
+  static ScreenVertex place(const ScreenSurface& surface, std::size_t t, int corner, int samples) {
+    ScreenVertex vertex = surface.vertices[surface.triangles[t][corner]];
+    vertex.x *= static_cast<float>(samples);
+    vertex.y *= static_cast<float>(samples);
+    return vertex;
   }
+
+  /// Calls visit(x, y, distance, shares in space).
+  template <typename Visit>
+  void visit_samples(int width, const Rows& rows, Visit&& visit) const {
+    const Eigen::Array3f near(1 / a.distance, 1 / b.distance, 1 / c.distance);
+    visit_covered_samples(pa, pb, pc, width, rows, [&](int x, int y, float sa, float sb, float sc) {
+      const Eigen::Array3f seen = Eigen::Array3f(sa, sb, sc) * near;
+      const float distance = 1 / seen.sum();
+      visit(x, y, distance, Eigen::Array3f(seen * distance));
+    });
+  }
+
+  /// Whether the normal points away from the eye: y runs downward on the picture.
+  bool faces_away() const { return (pb.x - pa.x) * (pc.y - pa.y) - (pb.y - pa.y) * (pc.x - pa.x) > 0; }
+};
+
+void draw_triangle(const ScreenSurface& surface, std::size_t t, const Rows& rows, SurfaceLayer& layer) {
+  const SampledTriangle triangle(surface, t, layer.samples);
+  const auto& [a, b, c, pa, pb, pc] = triangle;
+  const float area = std::abs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
+  const Eigen::Array3f heights = area / Eigen::Array3f(length(b, c), length(c, a), length(a, b));
+  const Eigen::Array3f values(a.value, b.value, c.value), weights(a.weight, b.weight, c.weight);
+  const bool whole = (weights == 1).all();
+  const Index winding = layer.winding.empty() ? kNone : surface.windings[t];
+  const std::int32_t turn = triangle.faces_away() ? 1 : -1;
+  triangle.visit_samples(layer.width, rows, [&](int x, int y, float distance, const Eigen::Array3f& share) {
+    if (!whole && (share * weights).sum() < 0.5f) return;
+    const std::size_t i = layer.index(x, y);
+    layer.count[i] = static_cast<std::uint8_t>(std::min(layer.count[i] + 1, 255));
+    if (winding != kNone) {
+      layer.winding[i].times += turn;
+      layer.winding[i].numbered += turn * (winding + 1);
+    }
+    if (distance >= layer.distance[i]) return;
+    const Eigen::Vector3f normal = share[0] * a.normal + share[1] * b.normal + share[2] * c.normal;
+    layer.distance[i] = distance;
+    layer.normal[i] = normal[2] > 0 ? Eigen::Vector3f(-normal) : normal;
+    layer.value[i] = (share * values).sum();
+    layer.edge[i] = (share * heights).minCoeff();
+    layer.part[i] = surface.part(t);
+  });
 }
 
 }  // namespace
@@ -68,6 +88,7 @@ SurfaceLayer::SurfaceLayer(int layer_width, const Rows& layer_rows, int samples_
   value.assign(size, 0);
   edge.assign(size, kInfinity);
   count.assign(size, 0);
+  part.assign(size, 0);
 }
 
 SurfaceBands::SurfaceBands(const ScreenSurface& surface, int height, int band_rows, int margin)
@@ -89,25 +110,34 @@ Rows SurfaceBands::rows(std::size_t band) const {
   return {first, std::min(first + band_rows_, height_)};
 }
 
-void SurfaceBands::draw(std::size_t band, SurfaceLayer& layer) const {
+Rows SurfaceBands::drawn_rows(std::size_t band, const SurfaceLayer& layer) const {
   const Rows own = rows(band);
-  const Rows drawn{std::max((own.first - margin_) * layer.samples, layer.rows.first),
-                   std::min((own.last + margin_) * layer.samples, layer.rows.last)};
-  const auto place = [&](Index v) {
-    ScreenVertex vertex = surface_.vertices[v];
-    vertex.x *= static_cast<float>(layer.samples);
-    vertex.y *= static_cast<float>(layer.samples);
-    return vertex;
-  };
+  return {std::max((own.first - margin_) * layer.samples, layer.rows.first),
+          std::min((own.last + margin_) * layer.samples, layer.rows.last)};
+}
+
+void SurfaceBands::draw(std::size_t band, SurfaceLayer& layer) const {
+  if (!surface_.windings.empty()) layer.winding.resize(layer.distance.size());
+  const Rows drawn = drawn_rows(band, layer);
+  for (const Index t : bins_[band]) draw_triangle(surface_, static_cast<std::size_t>(t), drawn, layer);
+}
+
+void SurfaceBands::count_in_front(std::size_t band, const SurfaceLayer& layer, std::vector<std::uint8_t>& count) const {
+  constexpr float kBias = 0.997f;  // what lies on the surface is before it
+  const Rows drawn = drawn_rows(band, layer);
   for (const Index t : bins_[band]) {
-    const auto& [a, b, c] = surface_.triangles[t];
-    draw_triangle(place(a), place(b), place(c), drawn, layer);
+    const SampledTriangle triangle(surface_, static_cast<std::size_t>(t), layer.samples);
+    triangle.visit_samples(layer.width, drawn, [&](int x, int y, float distance, const Eigen::Array3f&) {
+      const std::size_t i = layer.index(x, y);
+      if (distance * kBias < layer.distance[i] && count[i] < 255) ++count[i];
+    });
   }
 }
 
 void draw_surface(const ScreenSurface& surface, SurfaceLayer& layer) {
   constexpr int kTaskRows = 32;
   const SurfaceBands bands(surface, layer.rows.last / layer.samples, kTaskRows);
+  if (!surface.windings.empty()) layer.winding.resize(layer.distance.size());
   parallel_for(static_cast<std::int64_t>(bands.count()), 1, [&](std::int64_t band) { bands.draw(band, layer); });
 }
 

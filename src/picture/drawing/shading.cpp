@@ -10,7 +10,7 @@ namespace selvage {
 namespace {
 
 constexpr int kTaps = 12;
-constexpr int kTile = 4;  // the taps' rotation repeats in tiles of this size, and one tile of averaging hides it
+constexpr int kTile = kLightTile;  // the taps' rotation repeats in tiles of this size; the mean of one hides it
 
 struct Tap {
   float x, y;
@@ -50,8 +50,12 @@ float occlusion(const SurfaceLayer& layer, int x, int y, float reach, float radi
 
 }  // namespace
 
-Openness::Openness(SurfaceLayer&& layer, float radius, float pixels_at_one)
-    : width_(layer.width), height_(layer.rows.last), radius_(radius), open_(layer.distance.size(), 1) {
+LightField::LightField(SurfaceLayer&& layer, std::vector<SeenLight> seen, float radius, float pixels_at_one)
+    : width_(layer.width),
+      height_(layer.rows.last),
+      radius_(radius),
+      open_(layer.distance.size(), 1),
+      seen_(std::move(seen)) {
   std::array<std::array<Tap, kTaps>, kTile * kTile> taps;
   for (int turn = 0; turn < kTile * kTile; ++turn) taps[turn] = spiral(turn * 7 % (kTile * kTile));
   parallel_for(height_, 16, [&](std::int64_t y) {
@@ -64,33 +68,44 @@ Openness::Openness(SurfaceLayer&& layer, float radius, float pixels_at_one)
     }
   });
   distance_ = std::move(layer.distance);
+  if (seen_.empty()) seen_.resize(distance_.size());
 }
 
-/// The mean of the tile around the place, of what lies on the same surface.
-float Openness::at(float x, float y, float distance) const {
+PlaceLight LightField::at(float x, float y, float distance) const {
   const int left = static_cast<int>(x + 0.5f) - kTile / 2, top = static_cast<int>(y + 0.5f) - kTile / 2;
-  float sum = 0, count = 0;
+  PlaceLight sum{0, 0, 0}, nearest;
+  float count = 0, smallest = std::numeric_limits<float>::infinity();
   for (int v = std::max(0, top); v < std::min(height_, top + kTile); ++v) {
     for (int u = std::max(0, left); u < std::min(width_, left + kTile); ++u) {
       const std::size_t i = static_cast<std::size_t>(v) * width_ + u;
-      if (std::abs(distance_[i] - distance) > 0.3f * radius_) continue;
-      sum += open_[i];
+      const float difference = std::abs(distance_[i] - distance);
+      if (difference < smallest) {
+        smallest = difference;
+        nearest = {open_[i], seen_[i].sun, seen_[i].sky};
+      }
+      if (!(difference <= 0.3f * radius_)) continue;
+      sum.open += open_[i];
+      sum.sun += seen_[i].sun;
+      sum.sky += seen_[i].sky;
       count += 1;
     }
   }
-  return count > 0 ? sum / count : 1;
+  return count > 0 ? PlaceLight{sum.open / count, sum.sun / count, sum.sky / count} : nearest;
 }
 
-Rgb shade(const Rgb& base, const Eigen::Vector3f& normal, float openness) {
-  static const Eigen::Vector3f key = Eigen::Vector3f(-0.45f, -0.6f, -0.75f).normalized();
+Rgb shade(const Rgb& base, const Eigen::Vector3f& normal, const PlaceLight& light, const TurnedLamps& lamps) {
   const Eigen::Vector3f n = normal.squaredNorm() > 0 ? normal.normalized() : Eigen::Vector3f(0, 0, -1);
   const float facing = std::clamp(-n[2], 0.f, 1.f);
-  const float lit = std::max(0.f, n.dot(key));
-  const float sky = 0.5f - 0.5f * n[1];  // y points down
-  const Eigen::Vector3f half = (key + Eigen::Vector3f(0, 0, -1)).normalized();
-  const float gloss = std::pow(std::max(0.f, n.dot(half)), 40.f);
-  const Rgb diffuse = base * (0.15f + 0.22f * sky + 0.66f * lit + 0.10f * facing);
-  return (diffuse + 0.07f * gloss) * (0.30f + 0.70f * openness);
+  const float lit = std::max(0.f, n.dot(lamps.sun)) * light.sun;
+  const float sky = (0.6f + 0.4f * n.dot(lamps.up)) * light.sky;
+  const Eigen::Vector3f half = (lamps.sun + Eigen::Vector3f(0, 0, -1)).normalized();
+  const float gloss = std::pow(std::max(0.f, n.dot(half)), 40.f) * light.sun;
+  const Rgb diffuse = base * (0.07f + 0.12f * facing + 0.40f * sky + 0.60f * lit);
+  return (diffuse + 0.05f * gloss) * (0.35f + 0.65f * light.open);
+}
+
+Rgb shade_ground(const PlaceLight& light) {
+  return Rgb::Constant((0.16f + 0.42f * light.sun + 0.42f * light.sky) * (0.6f + 0.4f * light.open));
 }
 
 float outline_strength(const SurfaceLayer& layer, int x, int y, float radius) {

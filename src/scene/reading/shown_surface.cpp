@@ -1,6 +1,14 @@
 #include "scene/reading/shown_surface.h"
 
+#include "selvage/mesh/simplex_mesh.h"
+
 namespace selvage {
+
+std::vector<VertexTuple<3>> surface_triangles(const IndexedMesh& mesh) {
+  if (mesh.tetrahedra.empty()) return mesh.triangles;
+  const TetMesh solid(static_cast<Index>(mesh.positions.size()), mesh.tetrahedra);
+  return {solid.boundary_faces().begin(), solid.boundary_faces().end()};
+}
 
 ShownSurface::ShownSurface(std::size_t vertex_count, std::span<const VertexTuple<3>> surface)
     : place(vertex_count, kNone), triangles(surface.begin(), surface.end()) {

@@ -1,10 +1,14 @@
 #pragma once
 
 #include "selvage/core/types.h"
+#include "selvage/io/mesh_file.h"
 
 #include <vector>
 
 namespace selvage {
+
+/// The triangles of a mesh that are drawn, in the order in which `check` numbers them.
+std::vector<VertexTuple<3>> surface_triangles(const IndexedMesh& mesh);
 
 /// The vertices that some triangles use, ascending, and the triangles in their numbers.
 struct ShownSurface {

@@ -1,0 +1,33 @@
+#include "picture/composing/palette.h"
+
+namespace selvage {
+
+Rgb body_colour(Index body) {
+  // Vermilion is left to what is marked.
+  constexpr std::array<std::array<std::uint8_t, 3>, 8> kPalette{{{0x00, 0x72, 0xb2},
+                                                                 {0xe6, 0x9f, 0x00},
+                                                                 {0x00, 0x9e, 0x73},
+                                                                 {0xcc, 0x79, 0xa7},
+                                                                 {0x56, 0xb4, 0xe9},
+                                                                 {0xf0, 0xe4, 0x42},
+                                                                 {0x3c, 0x3c, 0x3c},
+                                                                 {0xb8, 0xb8, 0xb8}}};
+  const auto number = static_cast<std::size_t>(body);
+  std::array<std::uint8_t, 3> colour = kPalette[number % kPalette.size()];
+  const std::size_t round = number / kPalette.size() % 3;
+  for (std::uint8_t& c : colour) {
+    if (round == 1) c = static_cast<std::uint8_t>(c + 0.45 * (255 - c));
+    if (round == 2) c = static_cast<std::uint8_t>(0.62 * c);
+  }
+  return from_srgb(colour[0], colour[1], colour[2]);
+}
+
+Rgb cap_colour(Index body) {
+  return mix(body_colour(body), Rgb::Ones(), 0.2f);
+}
+
+Rgb collider_colour() {
+  return from_oklab(0.94f, -0.001f, -0.004f);
+}
+
+}  // namespace selvage

@@ -1,0 +1,219 @@
+#include "picture/scene_picture.h"
+
+#include "picture/composing/palette.h"
+#include "picture/composing/surface_corners.h"
+#include "selvage/core/error.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace selvage {
+
+namespace {
+
+constexpr double kSmallestStep = 0.009;  // of the scene's radius: the smallest step drawn as an outline
+constexpr double kMargin = 0.04;         // of the picture, around what is seen
+constexpr int kExtremes = 60;            // directions in which a frame's outermost points are kept
+constexpr double kFarCollider = 1.6;     // of the room's size: colliders that reach farther need not be seen whole
+constexpr float kLineRadius = 0.55f;     // pixels, in a picture 800 pixels high
+
+std::vector<Vec3> spread_directions() {
+  std::vector<Vec3> directions;
+  for (int i = 0; i < kExtremes; ++i) {
+    const double z = 1 - (2 * i + 1.0) / kExtremes, across = std::sqrt(1 - z * z), angle = 2.39996323 * i;
+    directions.emplace_back(across * std::cos(angle), across * std::sin(angle), z);
+  }
+  return directions;
+}
+
+/// Bodies whose every edge has as many triangles on one side as on the other.
+std::vector<char> find_closed(const DrawnScene& scene, Index body_count) {
+  struct Side {
+    Index low, high, turn;
+  };
+  std::vector<Side> sides;
+  sides.reserve(3 * scene.surface.size());
+  for (const auto& t : scene.surface)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Index a = t[i], b = t[(i + 1) % 3];
+      sides.push_back({std::min(a, b), std::max(a, b), a < b ? 1 : -1});
+    }
+  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+    return std::tie(a.low, a.high, a.turn) < std::tie(b.low, b.high, b.turn);
+  });
+  std::vector<char> closed(static_cast<std::size_t>(body_count), 1);
+  for (std::size_t i = 0; i < sides.size();) {
+    Index sum = 0;
+    const std::size_t first = i;
+    for (; i < sides.size() && sides[i].low == sides[first].low && sides[i].high == sides[first].high; ++i)
+      sum += sides[i].turn;
+    if (sum != 0) closed[static_cast<std::size_t>(scene.bodies[sides[first].low])] = 0;
+  }
+  return closed;
+}
+
+}  // namespace
+
+void DrawnScene::number_pieces() {
+  std::vector<Index> root(vertex_count);
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](Index v) {
+    while (root[v] != v) v = root[v] = root[root[v]];
+    return v;
+  };
+  for (const auto& [a, b, c] : surface) {
+    for (const Index other : {b, c}) {
+      const Index p = find(a), q = find(other);
+      root[std::max(p, q)] = std::min(p, q);
+    }
+  }
+  std::vector<char> used(vertex_count, 0);
+  for (const auto& t : surface)
+    for (const Index v : t) used[v] = 1;
+  bodies.assign(vertex_count, 0);
+  Index count = 0;
+  for (std::size_t v = 0; v < vertex_count; ++v) {
+    const Index top = find(static_cast<Index>(v));
+    bodies[v] = top == static_cast<Index>(v) ? (used[v] ? count++ : 0) : bodies[top];
+  }
+}
+
+ScenePictures::ScenePictures(const DrawnScene& scene, const SceneView& view) : scene_(scene), view_(view) {
+  for (const int size : {view.width, view.height})
+    if (size < 64 || size > 8192) throw Error("picture", "its size must lie between 64 and 8192 pixels");
+  if (scene.surface.empty()) throw Error("picture", "there is no surface to draw");
+  for (const Index body : scene.bodies) body_count_ = std::max(body_count_, body + 1);
+  room_.lower = Vec3::Constant(INFINITY);
+  room_.upper = -room_.lower;
+  room_.up = scene.up.normalized();
+  if (!view.cut) return;
+  const auto closed = find_closed(scene, body_count_);
+  for (const auto& t : scene.surface) {
+    const Index body = scene.bodies[t[0]];
+    windings_.push_back(closed[body] ? body : kNone);
+  }
+}
+
+void ScenePictures::add_frame(std::span<const Vec3> positions, double time) {
+  static const std::vector<Vec3> directions = spread_directions();
+  std::vector<std::pair<double, Index>> outermost(directions.size(), {-INFINITY, kNone});
+  std::vector<char> used(positions.size(), 0);
+  for (const auto& t : scene_.surface)
+    for (const Index v : t) used[v] = 1;
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    if (!used[v]) continue;
+    room_.lower = room_.lower.cwiseMin(positions[v]);
+    room_.upper = room_.upper.cwiseMax(positions[v]);
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+      const double height = directions[i].dot(positions[v]);
+      if (height > outermost[i].first) outermost[i] = {height, static_cast<Index>(v)};
+    }
+  }
+  for (const auto& [height, v] : outermost) seen_.push_back(positions[v]);
+  times_.push_back(time);
+}
+
+void ScenePictures::place_camera() {
+  std::vector<Vec3> points = seen_;
+  for (const double time : times_)
+    for (std::size_t i = 0; i < scene_.colliders.size(); ++i) {
+      const ColliderPart part = make_collider_part(scene_.colliders[i], time, room_);
+      if (ground_ && ground_->plane == i) continue;
+      const bool near = std::all_of(part.positions.begin(), part.positions.end(), [&](const Vec3& p) {
+        return (p - room_.middle()).norm() < kFarCollider * room_.size();
+      });
+      if (near && !part.free_side) points.insert(points.end(), part.positions.begin(), part.positions.end());
+    }
+  View view = view_.view;
+  view.up = room_.up;
+  if (!view.towards && !view.eye) {
+    const Vec3 east = std::abs(room_.up[0]) < 0.9 ? Vec3(Vec3::UnitX() - room_.up[0] * room_.up).normalized()
+                                                  : Vec3(Vec3::UnitY() - room_.up[1] * room_.up).normalized();
+    view.towards = 0.5 * east - room_.up.cross(east) + 0.5 * room_.up;
+  }
+  const double width = view_.width, height = view_.height;
+  const Frame frame = view.eye
+                          ? Frame{0, 0, width, height}
+                          : Frame{kMargin * width, kMargin * height, (1 - kMargin) * width, (1 - kMargin) * height};
+  camera_.emplace(points, view, frame);
+  lamps_ = default_lamps(*camera_, room_.up);
+}
+
+void ScenePictures::add_colliders(double time, PictureContent& content) const {
+  const Frame frame{0, 0, static_cast<double>(view_.width), static_cast<double>(view_.height)};
+  const float radius = kLineRadius * static_cast<float>(std::max(view_.height, 400)) / 800;
+  const auto part_of_colliders = static_cast<Index>(content.colours.size());
+  for (std::size_t i = 0; i < scene_.colliders.size(); ++i) {
+    if (ground_ && ground_->plane == i) continue;
+    const ColliderPart part = make_collider_part(scene_.colliders[i], time, room_);
+    const std::vector<Index> parts(part.triangles.size(), part_of_colliders);
+    PlacedSurface surface{part.positions, part.triangles};
+    surface.parts = parts;
+    surface.one_sided = part.one_sided;
+    const bool from_behind =
+        part.free_side && !part.positions.empty() && part.free_side->dot(camera_->eye() - part.positions[0]) < 0;
+    add_surface(surface, *camera_, frame, from_behind ? content.glass : content.body);
+    if (part.casts_shadow) add_occluders(surface, content.occluders);
+    for (const auto& [from, to] : part.edges)
+      if (const auto line = place_line(from, to, radius, *camera_)) content.lines.push_back(*line);
+  }
+}
+
+void ScenePictures::add_bodies(std::span<const Vec3> positions, const std::optional<CutPlane>& cut,
+                               PictureContent& content) const {
+  const Frame frame{0, 0, static_cast<double>(view_.width), static_cast<double>(view_.height)};
+  std::vector<Index> parts;
+  for (const auto& t : scene_.surface) parts.push_back(scene_.bodies[t[0]]);
+  PlacedSurface surface{positions, scene_.surface};
+  surface.parts = parts;
+  surface.windings = windings_;
+  surface.cut = cut ? &*cut : nullptr;
+  add_surface(surface, *camera_, frame, content.body);
+  add_occluders(surface, content.occluders);
+  if (scene_.marked.empty()) return;
+  std::vector<VertexTuple<3>> marked;
+  for (const Index t : scene_.marked) marked.push_back(scene_.surface[t]);
+  PlacedSurface shining{positions, marked};
+  shining.cut = surface.cut;
+  add_surface(shining, *camera_, frame, content.inner);
+  content.inner.windings.clear();
+  for (ScreenVertex& vertex : content.inner.vertices) vertex.value = -1;
+}
+
+Image ScenePictures::draw(std::span<const Vec3> positions, double time) {
+  if (!camera_) {
+    if (times_.empty()) add_frame(positions, time);
+    if (scene_.ground) ground_ = find_ground(scene_.colliders, room_);
+    place_camera();
+  }
+  PictureContent content{view_.width, view_.height, view_.samples, {}, {}};
+  content.camera = camera_;
+  content.lamps = lamps_;
+  content.feature = static_cast<float>(kSmallestStep * camera_->scene_radius());
+  content.pixels_at_one = static_cast<float>(camera_->pixels_per_metre(1));
+  content.wireframe = view_.edges;
+  for (Index body = 0; body < body_count_; ++body) content.colours.push_back(body_colour(body));
+  if (view_.cut) {
+    CutPlane cut{Vec3::Zero(), Vec3::Unit(view_.cut->axis)};
+    cut.point[view_.cut->axis] = view_.cut->position;
+    if (cut.normal.dot(camera_->eye() - cut.point) < 0) cut.normal = -cut.normal;
+    content.cut = cut;
+    content.body_count = body_count_;
+    for (Index body = 0; body < body_count_; ++body) content.colours.push_back(cap_colour(body));
+  }
+  add_bodies(positions, content.cut, content);
+  const auto colliders = content.colours.size();
+  add_colliders(time, content);
+  content.colours.resize(colliders);
+  content.colours.push_back(collider_colour());
+  if (ground_ && !ground_->walled) {
+    const Vec3 point = ground_->height * room_.up;
+    if (room_.up.dot(camera_->eye() - point) > 0) content.ground = GroundPlane{point, room_.up};
+  }
+  return compose(content);
+}
+
+}  // namespace selvage
