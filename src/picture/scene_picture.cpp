@@ -116,6 +116,17 @@ void ScenePictures::add_frame(std::span<const Vec3> positions, double time) {
   times_.push_back(time);
 }
 
+/// Bowls and other colliders stand on the ground, too.
+void ScenePictures::lower_ground_below_colliders() {
+  for (const Collider& collider : scene_.colliders) {
+    const ColliderPart part = make_collider_part(collider, times_.front(), room_);
+    if (part.free_side) continue;
+    for (const Vec3& p : part.positions)
+      if ((p - room_.middle()).norm() < kFarCollider * room_.size())
+        ground_->height = std::min(ground_->height, room_.up.dot(p));
+  }
+}
+
 void ScenePictures::place_camera() {
   std::vector<Vec3> points = seen_;
   for (const double time : times_)
@@ -187,6 +198,7 @@ Image ScenePictures::draw(std::span<const Vec3> positions, double time) {
   if (!camera_) {
     if (times_.empty()) add_frame(positions, time);
     if (scene_.ground) ground_ = find_ground(scene_.colliders, room_);
+    if (ground_ && !ground_->plane && !ground_->walled) lower_ground_below_colliders();
     place_camera();
   }
   PictureContent content{view_.width, view_.height, view_.samples, {}, {}};

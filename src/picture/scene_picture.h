@@ -51,6 +51,7 @@ class ScenePictures {
 
  private:
   void place_camera();
+  void lower_ground_below_colliders();
   void add_colliders(double time, PictureContent& content) const;
   void add_bodies(std::span<const Vec3> positions, const std::optional<CutPlane>& cut, PictureContent& content) const;
 

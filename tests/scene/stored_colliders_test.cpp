@@ -1,5 +1,5 @@
-#include "scene/files/scene_json.h"
 #include "scene/reading/stored_colliders.h"
+#include "scene/files/scene_json.h"
 #include "selvage/core/error.h"
 
 #include <gtest/gtest.h>
@@ -11,8 +11,10 @@ using Json = nlohmann::ordered_json;
 
 std::vector<Collider> all_kinds() {
   std::vector<Collider> colliders{
-      {PlaneShape{{0, 0, 1}, {0, 1, 1}}},        {BoxContainer{{-1, -2, -3}, {1, 2, 30}}},
-      {Bowl{{1, 2, 3}, {0, 0, 1}, 1.5}},         {SphereShape{{0.1, 0.2, 0.3}, 2}},
+      {PlaneShape{{0, 0, 1}, {0, 1, 1}}},
+      {BoxContainer{{-1, -2, -3}, {1, 2, 30}}},
+      {Bowl{{1, 2, 3}, {0, 0, 1}, 1.5}},
+      {SphereShape{{0.1, 0.2, 0.3}, 2}},
       {CylinderShape{{1, 1, 1}, {0, 1, 0}, 0.5, 3}},
       {MeshShape{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}}}};
   colliders[3].motion = {{{0, {0, 0, 0}, 0}, {2, {0, 0, 1}, 1.25}}, {0, 1, 0}, {1, 0, 0}};
