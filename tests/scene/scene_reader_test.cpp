@@ -127,7 +127,7 @@ TEST(SceneReader, TakesMoreStepsWhereDensitiesDifferAndDampsWhatSwings) {
   const SceneDescription scene = described("mh", "");
   EXPECT_EQ(scene.options.time_step, 1.0 / (60 * 23));
   EXPECT_EQ(scene.options.deformation_damping, 1);
-  EXPECT_EQ(scene.bodies[0].material.damping, 0.01);
+  EXPECT_EQ(scene.bodies[0].material.damping, 0.002);
   EXPECT_EQ(described("l", R"(, "deformation_damping": 0)").options.deformation_damping, 0);
   EXPECT_EQ(describe_scene(R"({"selvage_scene": 1, "bodies": [{"mesh": {"shape": "box"}}]})", kFile, "")
                 .bodies[0]

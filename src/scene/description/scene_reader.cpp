@@ -14,7 +14,7 @@ namespace selvage {
 namespace {
 
 /// Of scenes that say nothing: what has fallen comes to rest in seconds, and bounces all the same [1/s], [s].
-constexpr double kDeformationDamping = 1, kMaterialDamping = 0.01;
+constexpr double kDeformationDamping = 1, kMaterialDamping = 0.002;
 
 constexpr double kForever = std::numeric_limits<double>::infinity();
 
