@@ -104,5 +104,13 @@ TEST(DeformationDamping, LetsABodyFallAndTurnAsWithout) {
   EXPECT_LT((momentum(model, state) - before - 0.1 * total * options.gravity).norm(), 1e-9 * before.norm());
 }
 
+TEST(DeformationDamping, ChangesNoBitOfAFlightHoweverFast) {
+  Boxes boxes(3);
+  for (Vec3& velocity : boxes.state.velocities) velocity = Vec3(1e38, 3, -1e-7);
+  const Boxes before = boxes;
+  DeformationDamping(boxes.model).apply(0.5, boxes.state.positions, boxes.state.velocities);
+  EXPECT_TRUE(same_bits(boxes.state, before.state));
+}
+
 }  // namespace
 }  // namespace selvage

@@ -15,6 +15,8 @@ namespace {
 
 /// Of scenes that say nothing: what has fallen comes to rest in seconds, and bounces all the same [1/s], [s].
 constexpr double kDeformationDamping = 1, kMaterialDamping = 0.002;
+/// In place of a damping, until the solver is known: the implicit ones damp enough by themselves.
+constexpr double kNotGiven = -1;
 
 constexpr double kForever = std::numeric_limits<double>::infinity();
 
@@ -75,7 +77,7 @@ BodyDescription read_body(const JsonValue& value, std::size_t number, const std:
                           const std::map<std::string, Material>& materials) {
   JsonObject object(value);
   BodyDescription body;
-  body.material.damping = kMaterialDamping;
+  body.material.damping = kNotGiven;
   body.where = value.file() + ": " + value.path();
   body.name = fmt::format("body{}", number);
   if (const auto v = object.find("name")) body.name = v->text();
@@ -239,7 +241,7 @@ Motion read_motion(const JsonValue& value) {
 Material read_material(const JsonValue& value) {
   JsonObject object(value);
   Material material;
-  material.damping = kMaterialDamping;
+  material.damping = kNotGiven;
   constexpr std::array<std::string_view, 2> kKinds{"neo-hookean", "mass-spring"};
   if (const auto v = object.find("kind"))
     material.kind = v->choice(kKinds) == 0 ? MaterialKind::kNeoHookean : MaterialKind::kMassSpring;
@@ -303,6 +305,9 @@ SceneDescription describe_scene(std::string_view text, const std::filesystem::pa
     for (const JsonValue& item : v->items()) scene.colliders.push_back(read_collider(item, file.parent_path()));
   object.refuse_others();
   refuse_rigid_springs(scene);
+  for (BodyDescription& body : scene.bodies)
+    if (body.material.damping == kNotGiven)
+      body.material.damping = scene.solver == SolverKind::kXpbd ? kMaterialDamping : 0;
   if (scene.substeps == 0) scene.substeps = substeps_of(scene);
   scene.options.time_step = 1.0 / (static_cast<double>(scene.frames_per_second) * scene.substeps);
   scene.canonical = canonical_text(document);
