@@ -46,8 +46,7 @@ std::filesystem::path scene_path(const std::filesystem::path& folder);
 std::filesystem::path checkpoint_path(const std::filesystem::path& folder);
 std::filesystem::path frame_path(const std::filesystem::path& folder, std::int64_t frame);
 
-/// Write a file of a run, whole or not at all.
-/// @param is_exact      whether positions are stored in double precision
+/// Write a file of a run, whole or not at all; of an exact frame positions are stored in double precision.
 /// @throws SystemError  when it cannot be written
 void write_topology(const std::filesystem::path& path, const Model& model, std::uint64_t fingerprint);
 void write_frame(const std::filesystem::path& path, FrameHeader header, std::span<const Vec3> positions,
