@@ -1,8 +1,7 @@
 // glTF 2.0, binary: a mesh with a morph target for each frame after the first. In frame i target i has weight 1 and all
 // others 0; between two frames weights are linear, and so are positions.
+#include "core/json.h"
 #include "export/poses.h"
-
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +9,6 @@
 namespace selvage {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr int kFloat = 5126, kUnsignedInt = 5125, kVertices = 34962, kTriangles = 34963;
 

@@ -1,5 +1,6 @@
 #include "page/page.h"
 
+#include "core/json.h"
 #include "page/encoding.h"
 #include "page/page_template.h"
 #include "selvage/version.h"
@@ -9,8 +10,6 @@
 namespace selvage {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kPlaceOfData = "<!--data-->", kPlaceOfTitle = "<title>selvage</title>";
 

@@ -1,5 +1,6 @@
 #include "page/result_page.h"
 
+#include "core/json.h"
 #include "page/mesh_page.h"
 #include "scene/reading/stored_result.h"
 
@@ -8,8 +9,6 @@ namespace selvage {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 void add_numbers(Page& page, const std::string& group, const Json& numbers) {
   if (!numbers.is_object()) return;
   for (const auto& [name, value] : numbers.items())

@@ -1,5 +1,6 @@
 #include "page/run_page.h"
 
+#include "core/json.h"
 #include "page/encoding.h"
 #include "page/marks.h"
 #include "page/page.h"
@@ -18,8 +19,6 @@ namespace selvage {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 std::string count_of(std::int64_t count, std::string_view one, std::string_view many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }

@@ -3,12 +3,12 @@
 namespace selvage {
 
 void MomentumSums::add(double mass, const Vec3& position, const Vec3& velocity) {
-  const Vec3 arm = position - origin_;
+  const Vec3 arm = position - origin_, relative = velocity - flight_;
   mass_ += mass;
   first_ += mass * arm;
   second_ += mass * arm * arm.transpose();
-  momentum_ += mass * velocity;
-  angular_ += mass * arm.cross(velocity);
+  momentum_ += mass * relative;
+  angular_ += mass * arm.cross(relative);
 }
 
 void MomentumSums::add(const MomentumSums& other) {
@@ -22,7 +22,7 @@ void MomentumSums::add(const MomentumSums& other) {
 RigidMotion MomentumSums::motion() const {
   if (!(mass_ > 0)) return {};
   const Vec3 centre = first_ / mass_;
-  RigidMotion motion{.centre = origin_ + centre, .shift = momentum_ / mass_};
+  RigidMotion motion{.centre = origin_ + centre, .shift = flight_ + momentum_ / mass_};
   const Eigen::Matrix3d spread = second_ - mass_ * centre * centre.transpose();
   const Eigen::Matrix3d inertia = spread.trace() * Eigen::Matrix3d::Identity() - spread;
   // Points nearly on a line do not say how fast they turn about it.

@@ -20,7 +20,6 @@ namespace fs = std::filesystem;
 using test::read_text;
 using test::TemporaryFolder;
 using test::write_text;
-using Json = nlohmann::json;
 using Floats = std::vector<float>;
 
 constexpr const char* kScene = R"({"selvage_scene": 1, "frames": 4, "substeps": 2,
@@ -161,22 +160,22 @@ TEST_F(Export, GltfMovesTheFirstFrameToTheOthers) {
   EXPECT_EQ(number_at<std::uint32_t>(bytes, 8), bytes.size());
   const std::size_t length = number_at<std::uint32_t>(bytes, 12);
   EXPECT_EQ(bytes.substr(16, 4), "JSON");
-  const Json json = Json::parse(bytes.substr(20, length));
+  const nlohmann::json json = nlohmann::json::parse(bytes.substr(20, length));
   const std::size_t binary = 20 + length + 8;
   EXPECT_EQ(bytes.substr(binary - 4, 4), std::string("BIN\0", 4));
   EXPECT_EQ(number_at<std::uint32_t>(bytes, binary - 8) + binary, bytes.size());
   EXPECT_EQ(length % 4, 0u);
-  const auto offset = [&](const Json& accessor) {
-    const Json& view =
+  const auto offset = [&](const nlohmann::json& accessor) {
+    const nlohmann::json& view =
         json["bufferViews"][json["accessors"][accessor.get<std::size_t>()]["bufferView"].get<std::size_t>()];
     EXPECT_LE(view["byteOffset"].get<std::size_t>() + view["byteLength"].get<std::size_t>(),
               json["buffers"][0]["byteLength"].get<std::size_t>());
     return binary + view["byteOffset"].get<std::size_t>();
   };
-  EXPECT_EQ(json["scenes"][0]["nodes"], Json::array({0}));
+  EXPECT_EQ(json["scenes"][0]["nodes"], nlohmann::json::array({0}));
   EXPECT_EQ(json["nodes"][0]["mesh"], 0);
   EXPECT_EQ(json["nodes"][0]["rotation"].size(), 4u);
-  const Json& primitive = json["meshes"][0]["primitives"][0];
+  const nlohmann::json& primitive = json["meshes"][0]["primitives"][0];
   const Floats first = frame(0);
   EXPECT_EQ(floats_at(bytes, offset(primitive["attributes"]["POSITION"]), 156), first);
   ASSERT_EQ(primitive["targets"].size(), 4u);
@@ -189,9 +188,9 @@ TEST_F(Export, GltfMovesTheFirstFrameToTheOthers) {
   for (std::size_t i = 0; i < corners_.size(); ++i)
     EXPECT_EQ(number_at<std::uint32_t>(bytes, offset(primitive["indices"]) + 4 * i), corners_[i]);
 
-  const Json& animation = json["animations"][0];
+  const nlohmann::json& animation = json["animations"][0];
   EXPECT_EQ(animation["channels"][0]["target"]["path"], "weights");
-  const Json& sampler = animation["samplers"][0];
+  const nlohmann::json& sampler = animation["samplers"][0];
   const Floats times = floats_at(bytes, offset(sampler["input"]), 5),
                weights = floats_at(bytes, offset(sampler["output"]), 20);
   for (std::size_t k = 0; k < 5; ++k) {

@@ -37,9 +37,11 @@ TEST(Run, NamesTheFrameOfAnExplosion) {
 }
 
 TEST(Run, FramesHoldNothingInfinite) {
-  // A speed that doubles hold for long and single precision does not.
+  // A speed that doubles hold for long and single precision does not. Without contacts: rounding flattens the box
+  // there.
   const TemporaryFolder folder;
   const std::string text = R"({"selvage_scene": 1, "frames": 9, "frames_per_second": 1, "substeps": 1,
+    "contact": {"mode": "none"},
     "bodies": [{"mesh": {"shape": "box", "size": [1, 1, 1], "cell": 1}, "velocity": [0, 1e38, 0]}]})";
   const RunReport report = run_scene(parse_scene(text, "far.json"), to(folder.path()));
   EXPECT_EQ(report.outcome, RunOutcome::kExploded);

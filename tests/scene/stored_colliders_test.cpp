@@ -1,4 +1,6 @@
 #include "scene/reading/stored_colliders.h"
+
+#include "core/json.h"
 #include "scene/files/scene_json.h"
 #include "selvage/core/error.h"
 
@@ -6,8 +8,6 @@
 
 namespace selvage {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::vector<Collider> all_kinds() {
   std::vector<Collider> colliders{

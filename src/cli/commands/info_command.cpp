@@ -6,12 +6,12 @@
 #include "cli/program/output.h"
 #include "cli/reports/components.h"
 #include "cli/reports/quality.h"
+#include "core/json.h"
 #include "selvage/boundary_path/boundary_path.h"
 #include "selvage/geometry/predicates.h"
 #include "selvage/mesh/triangle_mesh.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <memory>
@@ -19,8 +19,6 @@
 namespace selvage::cli {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct InfoOptions {
   CommonOptions common;

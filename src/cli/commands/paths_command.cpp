@@ -5,11 +5,11 @@
 #include "cli/program/memory.h"
 #include "cli/program/output.h"
 #include "cli/reports/path_search.h"
+#include "core/json.h"
 #include "picture/paths_picture.h"
 #include "selvage/core/error.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <memory>
@@ -17,8 +17,6 @@
 namespace selvage::cli {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 const std::vector<int> kPictureSize{1600, 1000};
 

@@ -1,15 +1,13 @@
 #include "cli/reports/collision_report.h"
+#include "core/json.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 
 namespace selvage::cli {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::array<const char*, 4> kContactNames{"near", "touching", "crossing", "coplanar overlap"};
 

@@ -1,8 +1,7 @@
 #pragma once
 
+#include "core/json.h"
 #include "selvage/core/types.h"
-
-#include <nlohmann/json.hpp>
 
 #include <limits>
 #include <optional>
@@ -11,8 +10,6 @@
 #include <vector>
 
 namespace selvage {
-
-using Json = nlohmann::ordered_json;
 
 /// Bounds of a number that a document may hold.
 struct NumberRange {

@@ -1,12 +1,9 @@
 #include "scene/files/scene_json.h"
-
-#include <nlohmann/json.hpp>
+#include "core/json.h"
 
 namespace selvage {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json json_of(const Vec3& v) {
   return {v[0], v[1], v[2]};

@@ -1,7 +1,7 @@
+#include "core/json.h"
 #include "selvage/scene/run.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 
@@ -9,7 +9,6 @@ namespace selvage {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Row = FrameStatistics;
 
 /// Sums over all frames.

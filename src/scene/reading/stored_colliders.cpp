@@ -1,5 +1,6 @@
 #include "scene/reading/stored_colliders.h"
 
+#include "core/json.h"
 #include "selvage/core/error.h"
 
 #include <fmt/format.h>
@@ -9,8 +10,6 @@
 namespace selvage {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// A part of the file, with the place of it in errors.
 class Reader {

@@ -1,5 +1,6 @@
 #include "scene/reading/stored_result.h"
 
+#include "core/json.h"
 #include "io/whole_file.h"
 #include "scene/reading/shown_surface.h"
 #include "selvage/core/error.h"
@@ -13,8 +14,6 @@ namespace selvage {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 MarkKind kind_of(const std::string& contact) {
   if (contact == "crossing") return MarkKind::kCrossing;
   if (contact == "coplanar overlap") return MarkKind::kCoplanar;

@@ -1,9 +1,8 @@
 #pragma once
 
+#include "core/json.h"
 #include "scene/reading/marks.h"
 #include "selvage/io/mesh_file.h"
-
-#include <nlohmann/json.hpp>
 
 #include <filesystem>
 #include <optional>
@@ -16,8 +15,6 @@ namespace selvage {
 /// A mesh's name is looked up from the working folder, and where there is no such file, beside the JSON.
 class StoredResult {
  public:
-  using Json = nlohmann::ordered_json;
-
   /// @param after  mesh that `resolve` wrote; empty: the one that the result names
   /// @throws Error  when the file is no such result, a mesh is missing, or two meshes differ in more than positions
   explicit StoredResult(const std::filesystem::path& path, const std::filesystem::path& after = {});

@@ -1,5 +1,6 @@
 #include "scene/reading/stored_run.h"
 
+#include "core/json.h"
 #include "io/whole_file.h"
 #include "scene/files/statistics_table.h"
 #include "selvage/core/error.h"
@@ -11,8 +12,6 @@ namespace selvage {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 constexpr const char* kRemedy = "run the scene anew";
 
 void check_surface(const fs::path& path, const TopologyFile& topology) {

@@ -37,33 +37,26 @@ DeformationDamping::DeformationDamping(const Model& model) : model_(model) {
 }
 
 void DeformationDamping::apply(double kept, std::span<const Vec3> positions, std::span<Vec3> velocities) const {
-  // Velocities relative to that of one vertex: a body in fast flight is not deformed by rounding.
-  std::vector<Vec3> origins(piece_count_), flights(piece_count_);
-  for (const Slice& slice : slices_) {
-    origins[slice.piece] = positions[vertices_[slice.first]];
-    flights[slice.piece] = velocities[vertices_[slice.first]];
-  }
+  std::vector<MomentumSums> of_pieces(piece_count_);
+  for (const Slice& slice : slices_)
+    of_pieces[slice.piece] = MomentumSums(positions[vertices_[slice.first]], velocities[vertices_[slice.first]]);
   std::vector<MomentumSums> sums(slices_.size());
   parallel_for(std::ssize(slices_), 1, [&](std::int64_t s) {
-    sums[s] = MomentumSums(origins[slices_[s].piece]);
-    const Vec3& flight = flights[slices_[s].piece];
+    sums[s] = of_pieces[slices_[s].piece];
     for (std::size_t i = slices_[s].first; i < slices_[s].last; ++i) {
       const Index v = vertices_[i];
-      sums[s].add(1 / model_.inverse_masses[v], positions[v], velocities[v] - flight);
+      sums[s].add(1 / model_.inverse_masses[v], positions[v], velocities[v]);
     }
   });
-  std::vector<MomentumSums> of_pieces;
-  for (const Vec3& origin : origins) of_pieces.emplace_back(origin);
   for (std::size_t s = 0; s < slices_.size(); ++s) of_pieces[slices_[s].piece].add(sums[s]);
   std::vector<RigidMotion> motions;
   for (const MomentumSums& piece : of_pieces) motions.push_back(piece.motion());
   parallel_for(std::ssize(slices_), 1, [&](std::int64_t s) {
     const RigidMotion& rigid = motions[slices_[s].piece];
-    const Vec3& flight = flights[slices_[s].piece];
     for (std::size_t i = slices_[s].first; i < slices_[s].last; ++i) {
       const Index v = vertices_[i];
       const Vec3 together = rigid(positions[v]);
-      velocities[v] = flight + (together + kept * (velocities[v] - flight - together));
+      velocities[v] = together + kept * (velocities[v] - together);
     }
   });
 }

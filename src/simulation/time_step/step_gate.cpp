@@ -2,6 +2,7 @@
 
 #include "core/parallel.h"
 #include "elasticity/deformation_gradient.h"
+#include "simulation/rigid_motion.h"
 
 #include <algorithm>
 #include <map>
@@ -23,22 +24,9 @@ constexpr double kStands = -1, kStandsAlways = -2;
 constexpr double kRounding = 0x1p-40;
 constexpr double kImpactShare = 0.9, kLaterShare = 0.25;
 
-/// x goes to x + linear * (x - centre) + shift.
-struct BaseMotion {
-  Eigen::Matrix3d linear = Eigen::Matrix3d::Zero();
-  Vec3 centre = Vec3::Zero(), shift = Vec3::Zero();
-
-  Vec3 operator()(const Vec3& x) const { return x + linear * (x - centre) + shift; }
-};
-
-BaseMotion base_of(const RigidTransform& carrier) {
-  return {carrier.rotation - Eigen::Matrix3d::Identity(), Vec3::Zero(), carrier.translation};
-}
-
-Eigen::Matrix3d cross_matrix(const Vec3& w) {
-  Eigen::Matrix3d m;
-  m << 0, -w[2], w[1], w[2], 0, -w[0], -w[1], w[0], 0;
-  return m;
+RigidMotion motion_of(const RigidTransform& carrier) {
+  return {
+      .linear = carrier.rotation - Eigen::Matrix3d::Identity(), .centre = Vec3::Zero(), .shift = carrier.translation};
 }
 
 }  // namespace
@@ -53,30 +41,12 @@ struct StepGate::Zone {
   }
 
   /// The rigid displacement with the zone's momentum and angular momentum.
-  BaseMotion free_motion(const Model& model, const Step& step, std::span<const Vec3> targets) const {
-    double mass = 0;
-    Vec3 centre = Vec3::Zero(), shift = Vec3::Zero();
-    for (const Index v : vertices) {
-      const double m = 1 / model.inverse_masses[v];
-      mass += m;
-      centre += m * step.positions[v];
-      shift += m * (targets[v] - step.positions[v]);
-    }
-    centre /= mass;
-    shift /= mass;
-    Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
-    Vec3 momentum = Vec3::Zero();
-    for (const Index v : vertices) {
-      const double m = 1 / model.inverse_masses[v];
-      const Vec3 arm = step.positions[v] - centre;
-      inertia += m * (arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose());
-      momentum += m * arm.cross(targets[v] - step.positions[v]);
-    }
-    // Vertices nearly on a line do not say how fast they turn about it.
-    constexpr double kMinRoundness = 1e-6;
-    const double mean = inertia.trace() / 3;
-    if (!(inertia.determinant() > kMinRoundness * mean * mean * mean)) return {Eigen::Matrix3d::Zero(), centre, shift};
-    return {cross_matrix(inertia.ldlt().solve(momentum)), centre, shift};
+  RigidMotion free_motion(const Model& model, const Step& step, std::span<const Vec3> targets) const {
+    const Index first = vertices.front();
+    MomentumSums sums(step.positions[first], targets[first] - step.positions[first]);
+    for (const Index v : vertices)
+      sums.add(1 / model.inverse_masses[v], step.positions[v], targets[v] - step.positions[v]);
+    return sums.motion();
   }
 };
 
@@ -211,15 +181,15 @@ bool StepGate::move_zones(const Step& step, const Carriers& carriers, std::span<
   for (const auto& [root, zone] : zones) {
     const bool stands = shares_[root] < 0;
     const double share = std::max(shares_[root], 0.0);
-    BaseMotion base;
+    RigidMotion base;
     if (zone.carrier != kNone && shares_[root] != kStandsAlways) {
-      base = base_of(carriers.motions[zone.carrier]);
+      base = motion_of(carriers.motions[zone.carrier]);
     } else if (!stands) {
       base = zone.free_motion(model_, step, targets_);
     }
     for (const Index v : zone.vertices) {
       if (!(vertices[v].inverse_mass > 0)) continue;
-      const Vec3 from = base(step.positions[v]);
+      const Vec3 from = step.positions[v] + base(step.positions[v]);
       const Vec3 to = from + share * (targets_[v] - from);
       any_moved |= position(vertices[v]) != to;
       for (int i = 0; i < 3; ++i) vertices[v].position[i] = to[i];
