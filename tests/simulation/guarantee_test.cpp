@@ -29,8 +29,7 @@ Options guaranteed(double time_step = 1.0 / 120) {
 /// and faces of colliders.
 class Judge {
  public:
-  Judge(const Model& model, std::span<const Collider> colliders)
-      : model_(model), colliders_(prepare_colliders(colliders)) {
+  Judge(const Model& model, std::span<const Collider> colliders) : colliders_(prepare_colliders(colliders)) {
     collider_surface_ = make_collider_surface(colliders_, element_size_of(model));
     std::vector<VertexTuple<3>> triangles = collider_surface_.triangles;
     for (auto& t : triangles)
@@ -60,7 +59,6 @@ class Judge {
     return all;
   }
 
-  const Model& model_;
   std::vector<PreparedCollider> colliders_;
   ColliderSurface collider_surface_;
   TriangleMesh surface_;
