@@ -53,7 +53,7 @@ struct SampledTriangle {
 
 void draw_triangle(const ScreenSurface& surface, std::size_t t, const Rows& rows, SurfaceLayer& layer) {
   const SampledTriangle triangle(surface, t, layer.samples);
-  const auto& [a, b, c, pa, pb, pc] = triangle;
+  const auto &a = triangle.a, &b = triangle.b, &c = triangle.c;
   const float area = std::abs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
   const Eigen::Array3f heights = area / Eigen::Array3f(length(b, c), length(c, a), length(a, b));
   const Eigen::Array3f values(a.value, b.value, c.value), weights(a.weight, b.weight, c.weight);
