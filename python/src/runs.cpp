@@ -23,6 +23,7 @@ nb::dict row_of(const FrameStatistics& row) {
   result["held_back_vertices"] = row.held_back_vertices;
   result["impacts_left"] = row.impacts_left;
   result["unguarded_vertices"] = row.unguarded_vertices;
+  result["sleeping_bodies"] = row.sleeping_bodies;
   result["penetrating_vertices"] = row.penetrating_vertices;
   result["deepest_penetration"] = row.deepest_penetration;
   result["triangle_pairs"] = row.triangle_pairs;

@@ -87,6 +87,8 @@ struct Simulation {
       const Rows<Vec3> x = taken(positions, "positions"), v = taken(velocities, "velocities");
       without_interpreter([&] {
         State next = state;
+        // What is moved by hand is awake.
+        if (!std::equal(x.span().begin(), x.span().end(), state.positions.begin())) next.rest_times.clear();
         next.positions.assign(x.span().begin(), x.span().end());
         next.velocities.assign(v.span().begin(), v.span().end());
         solver->step(next, force.span());
@@ -112,6 +114,7 @@ nb::dict statistics_of(const StepStatistics& s) {
   result["held_back_vertices"] = s.held_back_vertices;
   result["impacts_left"] = s.impacts_left;
   result["unguarded_vertices"] = s.unguarded_vertices;
+  result["sleeping_bodies"] = s.sleeping_bodies;
   result["penetrating_vertices"] = s.contact.penetrating_vertices;
   result["path_queries"] = s.contact.path_queries;
   result["blocked_paths"] = s.contact.blocked_paths;

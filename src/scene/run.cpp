@@ -76,6 +76,7 @@ void add_step(const StepStatistics& step, FrameStatistics& row) {
   row.impacts_met += step.impacts_met;
   row.impacts_left += step.impacts_left;
   row.unguarded_vertices = std::max(row.unguarded_vertices, step.unguarded_vertices);
+  row.sleeping_bodies = step.sleeping_bodies;
   row.newton_steps += step.newton_steps;
   row.linear_iterations += step.linear_iterations;
   row.residual = std::max(row.residual, step.residual);

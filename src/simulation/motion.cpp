@@ -31,4 +31,9 @@ RigidTransform Motion::at(double time) const {
   return result;
 }
 
+bool Motion::differs(double time, double other) const {
+  const RigidTransform first = at(time), second = at(other);
+  return first.rotation != second.rotation || first.translation != second.translation;
+}
+
 }  // namespace selvage

@@ -37,6 +37,9 @@ struct State {
   std::vector<Vec3> velocities;  ///< (n_vertices) [m/s]
   double time = 0;               ///< [s]: steps * time_step
   std::int64_t steps = 0;        ///< done so far
+  /// (n_bodies) for how long each body, with all that is near it, has hardly moved [s]; empty: none has. What is moved
+  /// by hand between steps wakes where these are cleared, or where it gets a velocity: StepOptions::sleep_speed.
+  std::vector<double> rest_times{};
 };
 
 /// Whether a position is finite, also in the single precision in which frames hold it.

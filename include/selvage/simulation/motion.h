@@ -31,6 +31,8 @@ struct Motion {
   Vec3 centre = Vec3::Zero();         ///< [m]
 
   RigidTransform at(double time) const;
+  /// Whether it is elsewhere at the one time than at the other.
+  bool differs(double time, double other) const;
 };
 
 /// Vertices that follow a motion, from where they are in the state that the solver is made with, and take their

@@ -27,6 +27,10 @@ struct StepOptions {
   double velocity_damping = 0;   ///< of all motion, as in a fluid [1/s]
   /// Of all motion but the rigid one of each connected piece: what swings comes to rest, and falls as without [1/s].
   double deformation_damping = 0;
+  /// A body sleeps, held still as if pinned, once all but a hundredth of its mass has moved slower than this part of the
+  /// speed of a fall through its own size, for half a second, without penetrating, and so has all that is near it. What
+  /// comes near and moves, a collider or handle that moves, a velocity and external forces wake it. 0: nothing sleeps.
+  double sleep_speed = 0;
   double max_speed = std::numeric_limits<double>::infinity();  ///< [m/s]
   /// Of bodies on one another and on themselves; colliders have their own.
   Friction friction{.static_coefficient = 0.3, .dynamic_coefficient = 0.2};
@@ -45,6 +49,7 @@ struct StepStatistics {
   std::int64_t impacts_left = 0;        ///< pairs that meet in the end all the same
   std::int64_t unguarded_vertices = 0;  ///< where bodies penetrate at the start; 0: nothing meets in the step, but
                                         ///< impacts_left
+  std::int64_t sleeping_bodies = 0;     ///< StepOptions::sleep_speed
   std::int64_t newton_steps = 0;        ///< of the implicit solvers: Newton steps, or sweeps over all vertices
   std::int64_t linear_iterations = 0;   ///< of conjugate gradients, over all Newton steps
   /// Of the implicit solvers, before what is left inside is projected: the distance by which the force out of balance

@@ -142,6 +142,7 @@ void write_checkpoint(const fs::path& path, FrameHeader header, const State& sta
   std::string bytes = begin_file(header, FrameFileKind::kCheckpoint, size);
   append(bytes, std::span<const Vec3>(state.positions));
   append(bytes, std::span<const Vec3>(state.velocities));
+  append(bytes, std::span<const double>(state.rest_times));
   write_whole_files(std::array{FileContent{path, bytes}});
 }
 
@@ -175,6 +176,7 @@ CheckpointFile read_checkpoint(const fs::path& path) {
   CheckpointFile file{parts.header(), {}};
   file.state.positions = parts.take<Vec3>(vertices_of(file.header));
   file.state.velocities = parts.take<Vec3>(vertices_of(file.header));
+  file.state.rest_times = parts.take<double>(parts.left() / sizeof(double));
   parts.expect_end();
   file.state.time = file.header.time;
   file.state.steps = file.header.steps;

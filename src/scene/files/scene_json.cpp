@@ -95,6 +95,7 @@ std::string print_scene(const Scene& scene) {
   json["gravity"] = json_of(options.gravity);
   json["damping"] = options.velocity_damping;
   json["deformation_damping"] = options.deformation_damping;
+  json["sleep_speed"] = options.sleep_speed;
   json["max_speed"] = json_of_limit(options.max_speed);
   json["contact"] = {{"mode", name_of(options.contact.mode)},
                      {"static_friction", options.friction.static_coefficient},

@@ -20,6 +20,7 @@ void check_options(const StepOptions& options) {
   check_option(options.velocity_damping >= 0, "velocity damping", options.velocity_damping, "that is not negative");
   check_option(options.deformation_damping >= 0, "deformation damping", options.deformation_damping,
                "that is not negative");
+  check_option(options.sleep_speed >= 0, "sleep speed", options.sleep_speed, "that is not negative");
   check_option(options.max_speed > 0, "largest speed", options.max_speed, "above 0");
   const auto [static_coefficient, dynamic_coefficient] = options.friction;
   const ContactOptions& contact = options.contact;
@@ -38,6 +39,9 @@ void check_state(const Model& model, const State& state) {
                 fmt::format("{} positions and {} velocities for {} vertices", state.positions.size(),
                             state.velocities.size(), count),
                 "give one of each per vertex");
+  if (!state.rest_times.empty() && state.rest_times.size() != model.bodies.size())
+    throw Error("state", fmt::format("{} rest times for {} bodies", state.rest_times.size(), model.bodies.size()),
+                "give one per body, or none at all");
 }
 
 void check_forces(const Model& model, std::span<const Vec3> external_forces) {

@@ -34,7 +34,7 @@ std::vector<VertexTuple<3>> triangles_after(Index vertex_count, std::vector<Vert
 
 TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle> handles,
                    std::span<const Collider> colliders, const StepOptions& options)
-    : model_(model), options_(options), handles_(std::move(handles)) {
+    : model_(model), options_(options), handles_(std::move(handles)), body_of_(bodies_of_vertices(model)) {
   check_options(options);
   check_state(model, initial);
   check_handles(model, handles_);
@@ -46,6 +46,7 @@ TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle>
   collider_states_.resize(vertex_count() * colliders_.size());
   max_corrections_ = max_corrections_of(model);
   if (options.deformation_damping > 0) damping_.emplace(model);
+  if (options.sleep_speed > 0) sleep_.emplace(model, options.sleep_speed, options.gravity);
   if (options.contact.mode != DetectionMode::kOff)
     collider_surface_ = make_collider_surface(colliders_, element_size_of(model));
   const std::size_t all = vertex_count() + collider_surface_.positions.size();
@@ -60,24 +61,58 @@ TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle>
   for (std::size_t i = 0; i < collider_surface_.positions.size(); ++i)
     positions.push_back(
         colliders_[collider_surface_.collider_of_vertices[i]].motion.at(0)(collider_surface_.positions[i]));
-  contact_finder_.emplace(model.mesh, model.rest_positions, positions, bodies_of_vertices(model), contact,
+  contact_finder_.emplace(model.mesh, model.rest_positions, positions, body_of_, contact,
                           triangles_after(model.mesh.vertex_count(), collider_surface_.triangles));
   candidate_.resize(all);
   if (contact.hold_back && contact.mode == DetectionMode::kHybrid && !contact.interior_points)
     gate_.emplace(model, static_cast<Index>(all), contact.guarantee);
 }
 
-void TimeStep::begin(const State& state, std::span<const Vec3> external_forces) {
-  check_state(model_, state);
-  check_forces(model_, external_forces);
-  statistics_ = {};
-  collider_contacts_ = {};
-  state_steps_ = state.steps;
-  step_ = {.number = ++steps_begun_,
+void TimeStep::set_step(const State& state) {
+  step_ = {.number = steps_begun_ + 1,
            .start_time = static_cast<double>(state.steps) * options_.time_step,
            .end_time = static_cast<double>(state.steps + 1) * options_.time_step,
            .positions = state.positions,
            .velocities = state.velocities};
+}
+
+std::vector<std::uint8_t> TimeStep::bodies_with_handles_that_act() const {
+  std::vector<std::uint8_t> disturbed(model_.bodies.size(), 0);
+  for (const Handle& handle : handles_)
+    if (is_released(handle) || (is_held(handle) && handle.motion.differs(step_.start_time, step_.end_time)))
+      for (const Index v : handle.vertices)
+        if (body_of_[v] != kNone) disturbed[body_of_[v]] = 1;
+  return disturbed;
+}
+
+bool TimeStep::skip_asleep(State& state, std::span<const Vec3> external_forces, bool is_pushed) {
+  if (!sleep_) return false;
+  check_state(model_, state);
+  if (is_pushed || !external_forces.empty()) {
+    sleep_->begin_awake();
+    return false;
+  }
+  set_step(state);
+  sleep_->begin(state, step_.start_time, step_.end_time, bodies_with_handles_that_act(), colliders_);
+  if (!sleep_->are_all_asleep()) return false;
+  statistics_ = {};
+  statistics_.sleeping_bodies = sleep_->asleep_count();
+  contacts_.clear();
+  state.time = step_.end_time;
+  ++state.steps;
+  ++steps_begun_;
+  return true;
+}
+
+void TimeStep::begin(const State& state, std::span<const Vec3> external_forces) {
+  check_state(model_, state);
+  check_forces(model_, external_forces);
+  statistics_ = {};
+  if (sleep_) statistics_.sleeping_bodies = sleep_->asleep_count();
+  collider_contacts_ = {};
+  state_steps_ = state.steps;
+  set_step(state);
+  ++steps_begun_;
   // Later a vertex starts inside only where two colliders press it from one into the other.
   may_start_inside_ = state.steps == 0 || std::any_of(handles_.begin(), handles_.end(),
                                                       [&](const Handle& handle) { return is_released(handle); });
@@ -140,7 +175,8 @@ void TimeStep::predict(const State& state, std::span<const Vec3> external_forces
   }
   parallel_for(vertex_count(), kGrain, [&](std::int64_t i) {
     const auto v = static_cast<Index>(i);
-    const double inverse_mass = model_.inverse_masses[v];
+    const bool is_asleep = sleep_ && body_of_[v] != kNone && sleep_->is_asleep(body_of_[v]);
+    const double inverse_mass = is_asleep ? 0 : model_.inverse_masses[v];
     Vec3 velocity = Vec3::Zero();
     if (inverse_mass > 0) {
       Vec3 acceleration = options_.gravity;
@@ -184,7 +220,7 @@ bool TimeStep::find_missed_contacts() {
   return true;
 }
 
-/// Pinned vertices, those that handles hold, and those that colliders have pushed in this step.
+/// Pinned vertices, those of bodies that sleep, those that handles hold, and those that colliders have pushed in this step.
 Carriers TimeStep::carriers() const {
   Carriers carriers{.motions = {RigidTransform()},
                     .of_vertex = std::vector<Index>(vertices_.size(), kNone),
@@ -197,7 +233,7 @@ Carriers TimeStep::carriers() const {
     return static_cast<Index>(carriers.motions.size()) - 1;
   };
   for (Index v = 0; v < vertex_count(); ++v)
-    if (!(model_.inverse_masses[v] > 0)) carriers.of_vertex[v] = 0;
+    if (!(vertices_[v].inverse_mass > 0)) carriers.of_vertex[v] = 0;
   for (const Handle& handle : handles_) {
     if (!is_held(handle)) continue;
     const Index carrier = add(handle.motion);
@@ -296,6 +332,9 @@ void TimeStep::finish(State& state) {
   });
   state.time = step_.end_time;
   ++state.steps;
+  if (sleep_)
+    sleep_->finish(step_.length(), contact_finder_ ? contact_finder_->penetrating_vertices() : std::span<const Index>(),
+                   state);
 }
 
 }  // namespace selvage

@@ -7,6 +7,7 @@
 #include "simulation/colliders/project_colliders.h"
 #include "simulation/step.h"
 #include "simulation/time_step/deformation_damping.h"
+#include "simulation/time_step/sleep.h"
 #include "simulation/time_step/step_gate.h"
 
 #include <optional>
@@ -15,6 +16,7 @@ namespace selvage {
 
 /// The part of a time step that is the same for every solver of the material. In the order of a step:
 ///
+///     skip_asleep(state, forces)  takes the whole step where all bodies sleep
 ///     begin(state, forces)  predicts where vertices go by inertia and forces, and places what handles hold
 ///     find_contacts()       detects contacts on the way from the start of the step to the vertices' present positions
 ///     project_colliders()   sets vertices that are inside colliders on their surface; as often as the solver iterates
@@ -30,6 +32,11 @@ class TimeStep {
   /// @throws Error   when a size, an index, a handle, a collider or an option is impossible; it names which
   TimeStep(const Model& model, const State& initial, std::vector<Handle> handles, std::span<const Collider> colliders,
            const StepOptions& options);
+
+  /// Decides which bodies sleep in the step, and takes it where all do: nothing moves but time. Then true, and the step
+  /// is over; else it is to begin(). Without it none sleeps.
+  /// @param is_pushed  by something that the step does not know of: all are awake
+  bool skip_asleep(State& state, std::span<const Vec3> external_forces, bool is_pushed = false);
 
   /// @param state            must stay as it is until finish()
   /// @param external_forces  (n_vertices) [N] besides gravity, or empty
@@ -76,6 +83,8 @@ class TimeStep {
   void place(Index v, const Vec3& position, double inverse_mass);
   void predict(const State& state, std::span<const Vec3> external_forces);
   void place_handles();
+  std::vector<std::uint8_t> bodies_with_handles_that_act() const;
+  void set_step(const State& state);
   void place_collider_surface(const State& state);
   bool is_held(const Handle& handle) const;
   bool is_released(const Handle& handle) const;
@@ -90,10 +99,12 @@ class TimeStep {
   StepOptions options_;
   std::vector<Handle> handles_;
   std::vector<std::vector<Vec3>> handle_positions_;  ///< of the vertices of each at time 0
+  std::vector<Index> body_of_;                       ///< (n_vertices)
   std::vector<PreparedCollider> colliders_;
   ColliderSurface collider_surface_;             ///< of the colliders; none where the mode is kOff
   std::optional<ContactFinder> contact_finder_;  ///< none where the mode is kOff
   std::optional<DeformationDamping> damping_;    ///< none where there is none
+  std::optional<Sleep> sleep_;                   ///< none where nothing sleeps
   std::optional<StepGate> gate_;                 ///< none where nothing is held back
   bool no_impacts_ = false;                      ///< on the way to where vertices are now
   std::vector<double> max_corrections_;

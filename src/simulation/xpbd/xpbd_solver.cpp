@@ -71,6 +71,7 @@ struct XpbdSolver::Impl {
   /// Contacts are found where the first half of the iterations leads, and projected between the others. Projected only
   /// once, after the last, they would move the boundary alone, and elements under pressure would be inverted.
   void step(State& state, std::span<const Vec3> external_forces) {
+    if (time_step.skip_asleep(state, external_forces, static_cast<bool>(constraint))) return;
     time_step.begin(state, external_forces);
     keep_start(state);
     const int free_iterations = std::max(options.iterations / 2, 1);

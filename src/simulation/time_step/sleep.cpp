@@ -1,0 +1,183 @@
+#include "simulation/time_step/sleep.h"
+
+#include "core/parallel.h"
+#include "mesh/position_extent.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace selvage {
+
+namespace {
+
+/// [s] for which a group is slow before it is damped, and before it sleeps.
+constexpr double kSettleTime = 0.1, kSleepTime = 0.5;
+/// A group of several bodies slower than so many times the speed at which they sleep is damped [1/s].
+constexpr double kSettlingSpeeds = 6, kSettlingDamping = 2;
+/// Part of a body's mass that may tremble: the pressed rim of a body does while the rest stands.
+constexpr double kTremblingPart = 0.01;
+/// Part of a body's size by which its box is larger on all sides.
+constexpr double kGapPart = 0.01;
+
+double size_of(const Eigen::AlignedBox3d& box) {
+  return box.isEmpty() ? 0 : box.sizes().maxCoeff();
+}
+
+/// A box around the box in the collider's own coordinates.
+Eigen::AlignedBox3d in_coordinates_of(const RigidTransform& collider, const Eigen::AlignedBox3d& box) {
+  Eigen::AlignedBox3d own;
+  for (int corner = 0; corner < 8; ++corner)
+    own.extend(collider.invert(box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner))));
+  return own;
+}
+
+}  // namespace
+
+Sleep::Sleep(const Model& model, double part, const Vec3& gravity)
+    : model_(model), has_gravity_(!gravity.isZero(0)), is_disturbed_(model.bodies.size(), 0), is_asleep_(model.bodies.size(), 0) {
+  for (const Body& body : model.bodies) {
+    const double size = size_of(box_of(body, model.rest_positions));
+    speeds_.push_back(part * std::sqrt(2 * gravity.norm() * size));
+    gaps_.push_back(kGapPart * size);
+    double mass = 0;
+    for (Index v = body.first_vertex; v < body.first_vertex + body.vertex_count; ++v)
+      if (model.inverse_masses[v] > 0) mass += 1 / model.inverse_masses[v];
+    masses_.push_back(mass);
+  }
+}
+
+Eigen::AlignedBox3d Sleep::box_of(const Body& body, std::span<const Vec3> positions) const {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : positions.subspan(body.first_vertex, body.vertex_count)) box.extend(p);
+  return box;
+}
+
+void Sleep::begin_awake() {
+  std::fill(is_disturbed_.begin(), is_disturbed_.end(), 1);
+  std::fill(is_asleep_.begin(), is_asleep_.end(), 0);
+  asleep_count_ = 0;
+}
+
+void Sleep::begin(const State& state, double start_time, double end_time, std::vector<std::uint8_t> is_disturbed,
+                  std::span<const PreparedCollider> colliders) {
+  begin_awake();
+  is_disturbed_ = std::move(is_disturbed);
+  disturb_near(colliders, state, start_time, end_time);
+  if (state.rest_times.empty() || !has_gravity_) return;
+  parallel_for(std::ssize(is_asleep_), 1, [&](std::int64_t b) {
+    if (is_disturbed_[b] != 0 || state.rest_times[b] < kSleepTime) return;
+    const auto velocities =
+        std::span(state.velocities).subspan(model_.bodies[b].first_vertex, model_.bodies[b].vertex_count);
+    is_asleep_[b] = std::all_of(velocities.begin(), velocities.end(), [](const Vec3& v) { return v.isZero(0); });
+  });
+  asleep_count_ = std::count(is_asleep_.begin(), is_asleep_.end(), 1);
+}
+
+/// Colliders that move disturb what they are near to.
+void Sleep::disturb_near(std::span<const PreparedCollider> colliders, const State& state, double start_time,
+                         double end_time) {
+  for (const PreparedCollider& collider : colliders) {
+    if (!collider.motion.differs(start_time, end_time)) continue;
+    parallel_for(std::ssize(is_disturbed_), 1, [&](std::int64_t b) {
+      if (is_disturbed_[b] != 0) return;
+      Eigen::AlignedBox3d box = box_of(model_.bodies[b], state.positions);
+      box.min().array() -= gaps_[b];
+      box.max().array() += gaps_[b];
+      for (const double time : {start_time, end_time}) {
+        const Eigen::AlignedBox3d own = in_coordinates_of(collider.motion.at(time), box);
+        if (!std::visit([&](const auto& shape) { return is_clear(shape, own); }, collider.shape)) is_disturbed_[b] = 1;
+      }
+    });
+  }
+}
+
+Sleep::Pace Sleep::pace_of(Index b, const State& state) const {
+  if (is_asleep(b)) return Pace::kSleepy;
+  if (is_disturbed_[b] != 0) return Pace::kFast;
+  const Body& body = model_.bodies[b];
+  double fast = 0, trembling = 0;
+  const double sleepy = speeds_[b] * speeds_[b], settling = sleepy * kSettlingSpeeds * kSettlingSpeeds;
+  for (Index v = body.first_vertex; v < body.first_vertex + body.vertex_count; ++v) {
+    if (!(model_.inverse_masses[v] > 0)) continue;
+    const double speed = state.velocities[v].squaredNorm(), mass = 1 / model_.inverse_masses[v];
+    if (speed > sleepy) trembling += mass;
+    if (speed > settling) fast += mass;
+  }
+  const double most = kTremblingPart * masses_[b];
+  return fast > most ? Pace::kFast : trembling > most ? Pace::kSettling : Pace::kSleepy;
+}
+
+/// The group of each body: bodies whose boxes, along the way of the next step, overlap, and those that overlap these.
+std::vector<Index> Sleep::groups_of(const State& state, double step) const {
+  const std::size_t count = model_.bodies.size();
+  std::vector<Eigen::AlignedBox3d> boxes(count);
+  parallel_for(std::ssize(boxes), 1, [&](std::int64_t b) {
+    const Body& body = model_.bodies[b];
+    for (Index v = body.first_vertex; v < body.first_vertex + body.vertex_count; ++v) {
+      boxes[b].extend(state.positions[v]);
+      boxes[b].extend(Vec3(state.positions[v] + step * state.velocities[v]));
+    }
+    boxes[b].min().array() -= gaps_[b];
+    boxes[b].max().array() += gaps_[b];
+  });
+  std::vector<Index> order(count), parents(count);
+  std::iota(order.begin(), order.end(), 0);
+  std::iota(parents.begin(), parents.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](Index a, Index b) { return boxes[a].min()[0] < boxes[b].min()[0]; });
+  const auto root_of = [&](Index b) {
+    while (parents[b] != b) b = parents[b] = parents[parents[b]];
+    return b;
+  };
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t j = i + 1; j < count && boxes[order[j]].min()[0] <= boxes[order[i]].max()[0]; ++j) {
+      if (!boxes[order[i]].intersects(boxes[order[j]])) continue;
+      const Index a = root_of(order[i]), b = root_of(order[j]);
+      parents[std::max(a, b)] = std::min(a, b);
+    }
+  std::vector<Index> groups(count);
+  for (std::size_t b = 0; b < count; ++b) groups[b] = root_of(static_cast<Index>(b));
+  return groups;
+}
+
+void Sleep::finish(double step, std::span<const Index> penetrating, State& state) const {
+  const std::size_t count = model_.bodies.size();
+  state.rest_times.resize(count, 0);
+  std::vector<Pace> paces(count);
+  parallel_for(std::ssize(paces), 1, [&](std::int64_t b) { paces[b] = pace_of(static_cast<Index>(b), state); });
+  for (const Index v : penetrating)
+    for (std::size_t b = 0; b < count; ++b)
+      if (v >= model_.bodies[b].first_vertex && v < model_.bodies[b].first_vertex + model_.bodies[b].vertex_count)
+        paces[b] = Pace::kFast;
+  if (std::all_of(paces.begin(), paces.end(), [](Pace pace) { return pace == Pace::kFast; }))
+    return std::fill(state.rest_times.begin(), state.rest_times.end(), 0.0);
+  const std::vector<Index> of_body = groups_of(state, step);
+  struct Group {
+    double time = kSleepTime;
+    int bodies = 0;
+  };
+  std::vector<Group> groups(count);  // by their first bodies
+  for (std::size_t b = 0; b < count; ++b) {
+    Group& group = groups[of_body[b]];
+    ++group.bodies;
+    const bool was_woken = is_asleep_[b] == 0 && state.rest_times[b] >= kSleepTime;
+    const double before = was_woken ? 0 : state.rest_times[b];
+    if (paces[b] == Pace::kFast) group.time = 0;
+    if (paces[b] == Pace::kSettling) group.time = std::min({group.time, before + step, kSettleTime});
+    if (paces[b] == Pace::kSleepy) group.time = std::min(group.time, before + step);
+  }
+  parallel_for(std::ssize(paces), 1, [&](std::int64_t b) {
+    const Group& group = groups[of_body[b]];
+    const bool was_asleep = state.rest_times[b] >= kSleepTime && is_asleep_[b] != 0;
+    state.rest_times[b] = group.time;
+    const bool falls_asleep = group.time >= kSleepTime && !was_asleep;
+    const bool is_damped = group.time >= kSettleTime && group.bodies > 1;
+    if (!falls_asleep && !is_damped) return;
+    const double kept = falls_asleep ? 0 : 1 / (1 + kSettlingDamping * step);
+    for (Vec3& v : std::span(state.velocities).subspan(model_.bodies[b].first_vertex, model_.bodies[b].vertex_count))
+      v *= kept;
+  });
+}
+
+}  // namespace selvage

@@ -1,0 +1,61 @@
+#pragma once
+
+#include "selvage/simulation/model.h"
+#include "simulation/colliders/prepared_collider.h"
+
+namespace selvage {
+
+/// Bodies that stand still until something reaches them. Contacts that are solved step by step leave a heap trembling;
+/// so what has come to rest is held.
+///
+/// A body is slow where all but a hundredth of its mass moves slower than a part of the speed of a fall through its own
+/// size, and none of its vertices penetrates. Bodies whose boxes overlap are near one another. Those that are near, and
+/// those near these, are a group. A group that is slow for kSleepTime sleeps: its vertices keep their places, as if
+/// pinned, and have no velocity. It wakes as a whole where one that is not slow comes near. A body wakes where a
+/// collider that moves comes near it, a handle of it moves or is released, or it is given a velocity.
+///
+/// All that lasts from step to step is State::rest_times. The same bits for any number of threads.
+/// Source for groups, times and thresholds: Catto, Box2D (islands of contacts; here of boxes, which need no memory).
+class Sleep {
+ public:
+  /// @param model    must outlive this
+  /// @param part     StepOptions::sleep_speed, above 0
+  /// @param gravity  [m/s^2]; without it nothing ever sleeps, since what drifts is not at rest
+  Sleep(const Model& model, double part, const Vec3& gravity);
+
+  /// Decides which bodies sleep in a step. O(bodies), and O(n) for each collider that moves.
+  /// @param is_disturbed  (n_bodies) not 0: awake whatever it did before
+  /// @param colliders     those that move in the step wake what they are near to
+  void begin(const State& state, double start_time, double end_time, std::vector<std::uint8_t> is_disturbed,
+             std::span<const PreparedCollider> colliders);
+
+  /// No body sleeps in the step, nor comes closer to it.
+  void begin_awake();
+
+  bool is_asleep(Index body) const { return is_asleep_[body] != 0; }
+  bool are_all_asleep() const { return asleep_count_ > 0 && asleep_count_ == std::ssize(is_asleep_); }
+  std::int64_t asleep_count() const { return asleep_count_; }
+
+  /// Takes over into State::rest_times what the step has shown, and stops what falls asleep. O(n).
+  /// @param state        at the end of the step
+  /// @param penetrating  vertices that are inside something, or meet
+  void finish(double step, std::span<const Index> penetrating, State& state) const;
+
+ private:
+  enum class Pace : std::uint8_t { kFast, kSettling, kSleepy };
+
+  Eigen::AlignedBox3d box_of(const Body& body, std::span<const Vec3> positions) const;
+  void disturb_near(std::span<const PreparedCollider> colliders, const State& state, double start_time, double end_time);
+  Pace pace_of(Index body, const State& state) const;
+  std::vector<Index> groups_of(const State& state, double step) const;
+
+  const Model& model_;
+  bool has_gravity_;
+  std::vector<double> speeds_;  ///< (n_bodies) below which a vertex is slow [m/s]
+  std::vector<double> masses_;  ///< (n_bodies) of what is not pinned [kg]
+  std::vector<double> gaps_;    ///< (n_bodies) by which a box is larger than the body [m]
+  std::vector<std::uint8_t> is_disturbed_, is_asleep_;  ///< (n_bodies) in this step
+  std::int64_t asleep_count_ = 0;
+};
+
+}  // namespace selvage

@@ -1,0 +1,236 @@
+// Bodies at rest lie still, and wake for whatever a body would feel.
+#include "simulation/bodies.h"
+#include "threads.h"
+
+#include <gtest/gtest.h>
+
+namespace selvage {
+namespace {
+
+using namespace bodies;
+
+constexpr double kStep = 1.0 / 300;
+
+XpbdOptions sleeping() {
+  XpbdOptions options;
+  options.time_step = kStep;
+  options.sleep_speed = 0.015;
+  return options;
+}
+
+Collider floor_at(double height) {
+  return {.shape = PlaneShape{Vec3(0, 0, height), Vec3::UnitZ()}};
+}
+
+IndexedMesh block(double side, const Vec3& corner) {
+  return moved(make_box({side, side, side}, side / 2), corner);
+}
+
+Material rubber() {
+  return damped(neo_hookean(1e5, 0.4), 0.005);
+}
+
+struct Stage {
+  Model model;
+  State state;
+  XpbdSolver solver;
+
+  Stage(Model m, const XpbdOptions& options, std::vector<Collider> colliders, std::vector<Handle> handles = {})
+      : model(std::move(m)),
+        state(make_state(model, model.rest_positions)),
+        solver(model, state, std::move(handles), std::move(colliders), options) {}
+
+  std::int64_t sleepers() const { return solver.statistics().sleeping_bodies; }
+
+  /// Steps until so many sleep; false where that takes more than ten seconds.
+  bool run_until(std::int64_t count) {
+    for (int step = 0; step < 3000; ++step) {
+      solver.step(state);
+      if (sleepers() == count) return true;
+    }
+    return false;
+  }
+  void run(int steps) {
+    for (int i = 0; i < steps; ++i) solver.step(state);
+  }
+};
+
+TEST(Sleep, HoldsAHeapStillThatIsAtRest) {
+  const Model model = make(std::vector{block(0.2, {0, 0, 0.01}), block(0.2, {0.02, 0.03, 0.23})}, rubber());
+  Stage heap(model, sleeping(), {floor_at(0)});
+  ASSERT_TRUE(heap.run_until(2));
+  const State before = heap.state;
+  heap.run(300);
+  EXPECT_EQ(heap.sleepers(), 2);
+  EXPECT_EQ(heap.state.positions, before.positions);
+  EXPECT_EQ(kinetic_energy(model, heap.state), 0);
+  EXPECT_EQ(heap.state.steps, before.steps + 300);
+  EXPECT_NEAR(heap.state.time, heap.state.steps * kStep, 1e-9);
+
+  XpbdOptions awake = sleeping();
+  awake.sleep_speed = 0;
+  Stage other(model, awake, {floor_at(0)});
+  other.run(static_cast<int>(before.steps));
+  EXPECT_EQ(other.sleepers(), 0);
+  EXPECT_TRUE(other.state.rest_times.empty());
+}
+
+TEST(Sleep, ComesToNothingThatFliesOrDrifts) {
+  // At the top of its flight a body is slow for a moment; without gravity it is slow for ever.
+  Stage thrown(make(block(0.2, {0, 0, 0}), rubber()), sleeping(), {});
+  for (Vec3& v : thrown.state.velocities) v = Vec3(0, 0, 2);
+  for (int step = 0; step < 300; ++step) {
+    thrown.solver.step(thrown.state);
+    ASSERT_EQ(thrown.sleepers(), 0);
+  }
+  EXPECT_NEAR(thrown.state.velocities[0][2], 2 - 9.81, 1e-9);
+
+  XpbdOptions weightless = sleeping();
+  weightless.gravity.setZero();
+  Stage drifting(make(block(0.2, {0, 0, 0}), rubber()), weightless, {});
+  for (Vec3& v : drifting.state.velocities) v = Vec3(0.001, 0, 0);
+  drifting.run(600);
+  EXPECT_EQ(drifting.sleepers(), 0);
+  EXPECT_NEAR(drifting.state.positions[0][0], 0.002, 1e-12);
+}
+
+TEST(Sleep, EndsWhereSomethingFallsOnTheHeap) {
+  // The third falls from so high that the two others sleep by then.
+  Stage heap(make(std::vector{block(0.2, {0, 0, 0.001}), block(0.2, {0.03, 0, 0.205}), block(0.2, {0.05, 0.02, 45})},
+                rubber()),
+           sleeping(), {floor_at(0)});
+  ASSERT_TRUE(heap.run_until(2));
+  const Vec3 before = heap.state.positions[30];
+  ASSERT_TRUE(heap.run_until(0));
+  EXPECT_GT(heap.state.positions[2 * 27][2], 0.4);  // it has not arrived yet
+  heap.run(30);
+  EXPECT_NE(heap.state.positions[30], before);
+  EXPECT_TRUE(heap.run_until(3));
+}
+
+TEST(Sleep, EndsWhereACarrierMoves) {
+  // A plate is pulled away from under a block after three seconds, slower than what counts as fast.
+  MeshShape plate;
+  const IndexedMesh solid = moved(make_box({0.5, 0.5, 0.1}, 0.5), {-0.25, -0.25, -0.1});
+  plate.positions = solid.positions;
+  const TetMesh topology(static_cast<Index>(solid.positions.size()), solid.tetrahedra);
+  plate.triangles.assign(topology.boundary_faces().begin(), topology.boundary_faces().end());
+  Collider shelf{.shape = plate, .friction = {0, 0}};
+  shelf.motion.keyframes = {{.time = 3}, {.time = 23, .translation = Vec3(1, 0, 0)}};
+  Stage run(make(block(0.2, {-0.1, -0.1, 0.001}), rubber()), sleeping(), {shelf});
+  ASSERT_TRUE(run.run_until(1));
+  ASSERT_LT(run.state.time, 3);
+  ASSERT_TRUE(run.run_until(0));
+  EXPECT_NEAR(run.state.time, 3, 0.01);
+  for (int step = 0; step < 15 * 300 && run.state.positions[0][2] > -1; ++step) {
+    run.solver.step(run.state);
+    ASSERT_EQ(run.sleepers(), 0);
+  }
+  EXPECT_LE(run.state.positions[0][2], -1);
+}
+
+TEST(Sleep, EndsWhereAHandleMovesOrLetsGo) {
+  for (const bool is_released : {false, true}) {
+    const Model model = make(block(0.2, {0, 0, 1}), rubber());
+    Handle top = hold(model, [](const Vec3& p) { return p[2] > 1.19; });
+    if (is_released) top.release_time = 4;
+    if (!is_released) top.motion.keyframes = {{.time = 4}, {.time = 6, .translation = Vec3(0, 0, 0.01)}};
+    Stage run(model, sleeping(), {}, {top});
+    ASSERT_TRUE(run.run_until(1));
+    ASSERT_LT(run.state.time, 4);
+    ASSERT_TRUE(run.run_until(0));
+    EXPECT_NEAR(run.state.time, 4, 0.01);
+    run.run(150);
+    EXPECT_EQ(run.sleepers(), 0);
+  }
+}
+
+TEST(Sleep, EndsWhereTheUserActs) {
+  const Model model = make(block(0.2, {0, 0, 0.001}), rubber());
+  const auto asleep = [&] {
+    auto run = std::make_unique<Stage>(model, sleeping(), std::vector{floor_at(0)});
+    EXPECT_TRUE(run->run_until(1));
+    return run;
+  };
+  {
+    const auto run = asleep();
+    const std::vector<Vec3> forces(model.mesh.vertex_count(), Vec3(100, 0, 0));
+    for (int i = 0; i < 10; ++i) run->solver.step(run->state, forces);
+    EXPECT_EQ(run->sleepers(), 0);
+    EXPECT_GT(run->state.velocities[0][0], 0);
+  }
+  {
+    const auto run = asleep();
+    for (Vec3& v : run->state.velocities) v = Vec3(0, 0, 1);
+    run->solver.step(run->state);
+    EXPECT_EQ(run->sleepers(), 0);
+    EXPECT_GT(run->state.velocities[0][2], 0.5);
+  }
+  {
+    const auto run = asleep();
+    for (Vec3& p : run->state.positions) p[2] += 0.5;
+    run->state.rest_times.clear();
+    run->run(10);
+    EXPECT_LT(run->state.velocities[0][2], -0.3);
+  }
+  {
+    const auto run = asleep();
+    int calls = 0;
+    run->solver.set_constraint([&](const StepVertices&, int) { ++calls; });
+    run->run(200);
+    EXPECT_EQ(run->sleepers(), 0);
+    EXPECT_GT(calls, 200);
+  }
+}
+
+TEST(Sleep, OfOneHeapIsNoMatterOfAnotherFarAway) {
+  Stage run(make(std::vector{block(0.2, {0, 0, 0.001}), block(0.2, {5, 0, 3})}, rubber()), sleeping(), {floor_at(0)});
+  ASSERT_TRUE(run.run_until(1));
+  const Vec3 before = run.state.positions[0];
+  run.run(60);
+  EXPECT_EQ(run.sleepers(), 1);
+  EXPECT_EQ(run.state.positions[0], before);
+  EXPECT_TRUE(run.run_until(2));
+}
+
+TEST(Sleep, WaitsForWhatPenetrates) {
+  const Model model = make(std::vector{block(0.2, {0, 0, 0.001}), block(0.2, {0.05, 0.02, 0.1})}, rubber());
+  Stage run(model, sleeping(), {floor_at(0)});
+  ASSERT_TRUE(run.run_until(2));
+  ContactFinder finder(model.mesh, {}, run.state.positions);
+  finder.begin_step(run.state.positions);
+  EXPECT_TRUE(finder.penetrating_vertices().empty());
+}
+
+TEST(Sleep, GivesTheSameBitsForAnyNumberOfThreadsAndFromAnyState) {
+  const Model model = make(std::vector{block(0.2, {0, 0, 0.01}), block(0.2, {0.02, 0.03, 0.23})}, rubber());
+  const auto run_whole = [&] {
+    Stage heap(model, sleeping(), {floor_at(0)});
+    EXPECT_TRUE(heap.run_until(2));
+    heap.run(10);
+    return heap.state;
+  };
+  const State whole = test::with_threads(1, run_whole);
+  for (const int threads : {2, 4}) EXPECT_TRUE(same_bits(test::with_threads(threads, run_whole), whole)) << threads;
+  // The second half by another solver: nothing is remembered but the state.
+  Stage first(model, sleeping(), {floor_at(0)});
+  first.run(static_cast<int>(whole.steps) - 60);
+  Stage second(model, sleeping(), {floor_at(0)});
+  second.state = first.state;
+  second.run(60);
+  EXPECT_TRUE(same_bits(second.state, whole));
+  EXPECT_EQ(second.state.rest_times, whole.rest_times);
+}
+
+TEST(Sleep, RefusesImpossibleOptionsAndStates) {
+  const Model model = make(block(0.2, {0, 0, 0}), rubber());
+  XpbdOptions options = sleeping();
+  options.sleep_speed = -1;
+  expect_error("sleep speed: ", [&] { Stage(model, options, {}); });
+  Stage run(model, sleeping(), {});
+  run.state.rest_times = {0, 0};
+  expect_error("state: 2 rest times for 1 bodies", [&] { run.solver.step(run.state); });
+}
+
+}  // namespace
+}  // namespace selvage
