@@ -13,8 +13,9 @@ namespace {
 
 /// [s] for which a group is slow before it is damped, and before it sleeps.
 constexpr double kSettleTime = 0.1, kSleepTime = 0.5;
-/// A group of several bodies slower than so many times the speed at which they sleep is damped [1/s].
-constexpr double kSettlingSpeeds = 6, kSettlingDamping = 2;
+/// A group of several bodies slower than so many times the speed at which they sleep is damped but for its common
+/// velocity [1/s].
+constexpr double kSettlingSpeeds = 6, kSettlingDamping = 5;
 /// Part of a body's mass that may tremble: the pressed rim of a body does while the rest stands.
 constexpr double kTremblingPart = 0.01;
 /// Part of a body's size by which its box is larger on all sides.
@@ -51,6 +52,13 @@ Eigen::AlignedBox3d Sleep::box_of(const Body& body, std::span<const Vec3> positi
   Eigen::AlignedBox3d box;
   for (const Vec3& p : positions.subspan(body.first_vertex, body.vertex_count)) box.extend(p);
   return box;
+}
+
+Vec3 Sleep::momentum_of(const Body& body, const State& state) const {
+  Vec3 momentum = Vec3::Zero();
+  for (Index v = body.first_vertex; v < body.first_vertex + body.vertex_count; ++v)
+    if (model_.inverse_masses[v] > 0) momentum += state.velocities[v] / model_.inverse_masses[v];
+  return momentum;
 }
 
 void Sleep::begin_awake() {
@@ -141,21 +149,21 @@ std::vector<Index> Sleep::groups_of(const State& state, double step) const {
   return groups;
 }
 
-void Sleep::finish(double step, std::span<const Index> penetrating, State& state) const {
+void Sleep::finish(double step, std::span<const Index> penetrating_bodies, State& state) const {
   const std::size_t count = model_.bodies.size();
   state.rest_times.resize(count, 0);
   std::vector<Pace> paces(count);
   parallel_for(std::ssize(paces), 1, [&](std::int64_t b) { paces[b] = pace_of(static_cast<Index>(b), state); });
-  for (const Index v : penetrating)
-    for (std::size_t b = 0; b < count; ++b)
-      if (v >= model_.bodies[b].first_vertex && v < model_.bodies[b].first_vertex + model_.bodies[b].vertex_count)
-        paces[b] = Pace::kFast;
+  for (const Index b : penetrating_bodies) paces[b] = Pace::kFast;
   if (std::all_of(paces.begin(), paces.end(), [](Pace pace) { return pace == Pace::kFast; }))
     return std::fill(state.rest_times.begin(), state.rest_times.end(), 0.0);
   const std::vector<Index> of_body = groups_of(state, step);
   struct Group {
-    double time = kSleepTime;
+    double time = kSleepTime, mass = 0;
     int bodies = 0;
+    Vec3 momentum = Vec3::Zero();
+
+    bool is_damped() const { return time >= kSettleTime && bodies > 1; }
   };
   std::vector<Group> groups(count);  // by their first bodies
   for (std::size_t b = 0; b < count; ++b) {
@@ -167,16 +175,24 @@ void Sleep::finish(double step, std::span<const Index> penetrating, State& state
     if (paces[b] == Pace::kSettling) group.time = std::min({group.time, before + step, kSettleTime});
     if (paces[b] == Pace::kSleepy) group.time = std::min(group.time, before + step);
   }
+  std::vector<Vec3> momenta(count, Vec3::Zero());
+  parallel_for(std::ssize(momenta), 1, [&](std::int64_t b) {
+    if (groups[of_body[b]].is_damped()) momenta[b] = momentum_of(model_.bodies[b], state);
+  });
+  for (std::size_t b = 0; b < count; ++b) {
+    groups[of_body[b]].momentum += momenta[b];
+    groups[of_body[b]].mass += masses_[b];
+  }
   parallel_for(std::ssize(paces), 1, [&](std::int64_t b) {
     const Group& group = groups[of_body[b]];
     const bool was_asleep = state.rest_times[b] >= kSleepTime && is_asleep_[b] != 0;
     state.rest_times[b] = group.time;
     const bool falls_asleep = group.time >= kSleepTime && !was_asleep;
-    const bool is_damped = group.time >= kSettleTime && group.bodies > 1;
-    if (!falls_asleep && !is_damped) return;
+    if (!falls_asleep && (was_asleep || !group.is_damped())) return;
     const double kept = falls_asleep ? 0 : 1 / (1 + kSettlingDamping * step);
+    const Vec3 common = falls_asleep || group.mass == 0 ? Vec3::Zero() : Vec3(group.momentum / group.mass);
     for (Vec3& v : std::span(state.velocities).subspan(model_.bodies[b].first_vertex, model_.bodies[b].vertex_count))
-      v *= kept;
+      v = common + kept * (v - common);
   });
 }
 

@@ -10,9 +10,11 @@ namespace selvage {
 ///
 /// A body is slow where all but a hundredth of its mass moves slower than a part of the speed of a fall through its own
 /// size, and none of its vertices penetrates. Bodies whose boxes overlap are near one another. Those that are near, and
-/// those near these, are a group. A group that is slow for kSleepTime sleeps: its vertices keep their places, as if
+/// those near these, are a group. A group that is slow for half a second sleeps: its vertices keep their places, as if
 /// pinned, and have no velocity. It wakes as a whole where one that is not slow comes near. A body wakes where a
-/// collider that moves comes near it, a handle of it moves or is released, or it is given a velocity.
+/// collider that moves comes near it, a handle of it moves or is released, or it is given a velocity. Before it sleeps,
+/// a group of several bodies settles: while it is nearly slow, it is damped but for the velocity that all have in
+/// common, so that what slides or falls together does so as before.
 ///
 /// All that lasts from step to step is State::rest_times. The same bits for any number of threads.
 /// Source for groups, times and thresholds: Catto, Box2D (islands of contacts; here of boxes, which need no memory).
@@ -37,14 +39,16 @@ class Sleep {
   std::int64_t asleep_count() const { return asleep_count_; }
 
   /// Takes over into State::rest_times what the step has shown, and stops what falls asleep. O(n).
-  /// @param state        at the end of the step
-  /// @param penetrating  vertices that are inside something, or meet
-  void finish(double step, std::span<const Index> penetrating, State& state) const;
+  /// @param step                its length [s]
+  /// @param penetrating_bodies  any order, also more than once
+  /// @param state               at the end of the step
+  void finish(double step, std::span<const Index> penetrating_bodies, State& state) const;
 
  private:
   enum class Pace : std::uint8_t { kFast, kSettling, kSleepy };
 
   Eigen::AlignedBox3d box_of(const Body& body, std::span<const Vec3> positions) const;
+  Vec3 momentum_of(const Body& body, const State& state) const;
   void disturb_near(std::span<const PreparedCollider> colliders, const State& state, double start_time, double end_time);
   Pace pace_of(Index body, const State& state) const;
   std::vector<Index> groups_of(const State& state, double step) const;

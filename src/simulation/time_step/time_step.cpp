@@ -332,9 +332,12 @@ void TimeStep::finish(State& state) {
   });
   state.time = step_.end_time;
   ++state.steps;
-  if (sleep_)
-    sleep_->finish(step_.length(), contact_finder_ ? contact_finder_->penetrating_vertices() : std::span<const Index>(),
-                   state);
+  if (!sleep_) return;
+  std::vector<Index> penetrating;
+  if (contact_finder_)
+    for (const Index v : contact_finder_->penetrating_vertices())
+      if (v < vertex_count() && body_of_[v] != kNone) penetrating.push_back(body_of_[v]);
+  sleep_->finish(step_.length(), penetrating, state);
 }
 
 }  // namespace selvage
