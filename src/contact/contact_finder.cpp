@@ -1,6 +1,7 @@
 #include "selvage/contact/contact_finder.h"
 
 #include "contact/closest_rules.h"
+#include "contact/common_ways_out.h"
 #include "contact/impact_contacts.h"
 #include "contact/input/collider_triangles.h"
 #include "contact/input/inverted_vertices.h"
@@ -58,6 +59,7 @@ struct ContactFinder::Impl {
   std::optional<ContinuousCollisionFinder> impacts;  ///< made when first needed
   std::optional<RestPoseRule> rest_pose;
   std::optional<EuclideanRule> euclidean;
+  std::optional<CommonWaysOut> common;  ///< of the shortest paths, where bodies penetrate at the start of steps only
 
   std::vector<Index> inside;  ///< features of the search that penetrate at the start of the step
   std::vector<std::uint8_t> is_inside;
@@ -123,6 +125,7 @@ ContactFinder::Impl::Impl(const TetMesh& m, std::span<const Vec3> rest_positions
                    !options.interior_points);
   positions_t0.assign(positions.begin(), positions.end());
   if (search) is_inside.resize(search->feature_count());
+  if (splits() && options.rule == ClosestPointRule::kShortestPath) common.emplace(mesh);
   if (splits() && options.wait_for_inverted) pieces = mesh.element_components();
 }
 
@@ -205,6 +208,7 @@ std::vector<BoundaryPath<3>> ContactFinder::Impl::find_ways_out(std::span<const 
     parallel_for(std::ssize(points), 64, [&](std::int64_t i) {
       if (euclidean->applies_to(points[i])) found[i] = euclidean->find(points[i].query, positions);
     });
+  if (common) common->apply(of_mesh(positions), points, found);
   return found;
 }
 

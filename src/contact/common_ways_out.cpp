@@ -1,0 +1,197 @@
+#include "contact/common_ways_out.h"
+
+#include "core/parallel.h"
+#include "mesh/simplex_corners.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace selvage {
+
+namespace {
+
+/// Length of the sum of all ways out over the sum of their lengths, below which they disagree.
+constexpr double kAgreement = 0.3;
+/// Points of a tangle by which directions are compared.
+constexpr std::size_t kSamples = 64;
+/// Elements on a straight way, at most.
+constexpr int kMaxElements = 1000;
+
+Index first_of(std::vector<Index>& parents, Index i) {
+  while (parents[i] != i) i = parents[i] = parents[parents[i]];
+  return i;
+}
+
+/// Towards the faces, edges and corners of a cube.
+std::vector<Vec3> directions_all_around() {
+  std::vector<Vec3> directions;
+  for (int x = -1; x <= 1; ++x)
+    for (int y = -1; y <= 1; ++y)
+      for (int z = -1; z <= 1; ++z)
+        if (x != 0 || y != 0 || z != 0) directions.push_back(Vec3(x, y, z).normalized());
+  return directions;
+}
+
+}  // namespace
+
+CommonWaysOut::CommonWaysOut(const TetMesh& mesh) : mesh_(mesh), pieces_(mesh.element_components()) {}
+
+/// By tangles; each tangle by points.
+std::vector<CommonWaysOut::Member> CommonWaysOut::members_of(std::span<const PenetratingPoint> points) const {
+  struct Place {
+    std::array<Index, 2> pieces;
+    Index vertex, member;
+    auto operator<=>(const Place&) const = default;
+  };
+  std::vector<Member> members;
+  std::vector<Place> places;
+  for (Index i = 0; i < std::ssize(points); ++i) {
+    const PenetratingPoint& point = points[i];
+    if (point.vertices[0] >= mesh_.vertex_count()) continue;  // of a collider
+    const Index own = pieces_[mesh_.vertex_elements(point.vertices[0]).front()], other = pieces_[point.query.element];
+    if (own == other) continue;
+    const std::array<Index, 2> pieces{std::min(own, other), std::max(own, other)};
+    const auto member = static_cast<Index>(members.size());
+    members.push_back({kNone, i, own < other ? 1.0 : -1.0});
+    for (int k = 0; k < point.count; ++k) places.push_back({pieces, point.vertices[k], member});
+    for (const Index v : mesh_.elements()[point.query.element]) places.push_back({pieces, v, member});
+  }
+  std::sort(places.begin(), places.end());
+  std::vector<Index> parents(members.size());
+  std::iota(parents.begin(), parents.end(), 0);
+  for (std::size_t k = 1; k < places.size(); ++k) {
+    if (places[k].pieces != places[k - 1].pieces || places[k].vertex != places[k - 1].vertex) continue;
+    const Index a = first_of(parents, places[k - 1].member), b = first_of(parents, places[k].member);
+    parents[std::max(a, b)] = std::min(a, b);
+  }
+  for (Index m = 0; m < std::ssize(members); ++m) members[m].tangle = first_of(parents, m);
+  std::stable_sort(members.begin(), members.end(), [](const Member& a, const Member& b) { return a.tangle < b.tangle; });
+  return members;
+}
+
+/// From element to element, by the face that the ray leaves first.
+BoundaryPath<3> CommonWaysOut::straight_way(std::span<const Vec3> positions, const Vec3& point, Index element,
+                                            const Vec3& direction) const {
+  BoundaryPath<3> path;
+  Index from = kNone;
+  double way = 0;
+  for (int visited = 0; visited < kMaxElements; ++visited) {
+    int exit = -1;
+    double nearest = HUGE_VAL;
+    for (int face = 0; face < 4; ++face) {
+      if (mesh_.neighbours()[element][face].exists() && mesh_.neighbours()[element][face].element() == from) continue;
+      const auto corners = corners_of(TetMesh::face_of(mesh_.elements()[element], face), positions);
+      const Vec3 normal = area_normal(corners);
+      const double speed = normal.dot(direction);
+      if (!(speed > 0)) continue;
+      const double at = normal.dot(corners[0] - point) / speed;
+      if (at < nearest) nearest = at, exit = face;
+    }
+    if (exit < 0) return path;
+    way = std::max(way, nearest);
+    const HalfFace across = mesh_.neighbours()[element][exit];
+    if (across.exists()) {
+      from = element;
+      element = across.element();
+      continue;
+    }
+    path.face = across.boundary_face();
+    path.point = point + way * direction;
+    path.distance = way;
+    path.normal = direction;
+    const auto corners = corners_of(mesh_.boundary_faces()[path.face], positions);
+    const Vec3 normal = area_normal(corners);
+    for (int i = 0; i < 3; ++i) {
+      const Vec3 &b = corners[(i + 1) % 3], &c = corners[(i + 2) % 3];
+      path.barycentric[i] =
+          std::clamp(normal.dot((c - b).cross(path.point - b)) / normal.squaredNorm(), 0.0, 1.0);
+    }
+    path.barycentric /= path.barycentric.sum();
+    if (path.barycentric.allFinite() && path.point.allFinite()) path.status = PathStatus::kFound;
+    return path;
+  }
+  return path;
+}
+
+/// Of the point's own piece, from the point on: what must come out after it.
+double CommonWaysOut::length_behind(std::span<const Vec3> positions, const PenetratingPoint& point,
+                                    const Vec3& direction) const {
+  const auto has = [&](const VertexTuple<4>& element, Index v) {
+    return std::find(element.begin(), element.end(), v) != element.end();
+  };
+  for (const Index e : mesh_.vertex_elements(point.vertices[0])) {
+    const auto& element = mesh_.elements()[e];
+    if (point.count > 1 && !has(element, point.vertices[1])) continue;
+    // The direction leads into the element where it leads towards no face that the point is on.
+    bool leads_in = true;
+    for (int face = 0; face < 4; ++face) {
+      const auto end = point.vertices.begin() + point.count;
+      if (std::find(point.vertices.begin(), end, element[face]) != end) continue;
+      leads_in &= area_normal(corners_of(TetMesh::face_of(element, face), positions)).dot(direction) < 0;
+    }
+    if (!leads_in) continue;
+    const BoundaryPath<3> way = straight_way(positions, point.query.point, e, direction);
+    return way.status == PathStatus::kFound ? way.distance : 0;
+  }
+  return 0;
+}
+
+/// Zero where the ways out agree.
+Vec3 CommonWaysOut::best_direction(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
+                                   std::span<const BoundaryPath<3>> paths, std::span<const Member> members) const {
+  Vec3 sum = Vec3::Zero();
+  double lengths = 0;
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const Member& member : members) {
+    const BoundaryPath<3>& path = paths[member.point];
+    if (path.status != PathStatus::kFound) continue;
+    const Eigen::Vector3d way = member.side * (path.point - points[member.point].query.point);
+    sum += way;
+    lengths += way.norm();
+    spread += way * way.transpose();
+  }
+  if (!(sum.norm() < kAgreement * lengths)) return Vec3::Zero();
+  std::vector<Vec3> directions = directions_all_around();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
+  for (int k = 0; k < 3; ++k)
+    for (const double sign : {1.0, -1.0}) directions.push_back(sign * axes.eigenvectors().col(k));
+  Vec3 best = Vec3::Zero();
+  double shortest = HUGE_VAL;
+  const std::size_t stride = (members.size() + kSamples - 1) / kSamples;
+  for (const Vec3& direction : directions) {
+    double longest = 0;
+    for (std::size_t i = 0; i < members.size() && longest < shortest; i += stride) {
+      const PenetratingPoint& point = points[members[i].point];
+      const Vec3 ahead = members[i].side * direction;
+      const BoundaryPath<3> way = straight_way(positions, point.query.point, point.query.element, ahead);
+      if (way.status == PathStatus::kFound)
+        longest = std::max(longest, way.distance + length_behind(positions, point, -ahead));
+    }
+    if (longest < shortest) shortest = longest, best = direction;
+  }
+  return best;
+}
+
+void CommonWaysOut::apply(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
+                          std::span<BoundaryPath<3>> paths) const {
+  const std::vector<Member> members = members_of(points);
+  std::vector<std::span<const Member>> tangles;
+  for (std::size_t first = 0, last = 0; first < members.size(); first = last) {
+    while (last < members.size() && members[last].tangle == members[first].tangle) ++last;
+    tangles.push_back(std::span(members).subspan(first, last - first));
+  }
+  parallel_for(std::ssize(tangles), 1, [&](std::int64_t t) {
+    const Vec3 direction = best_direction(positions, points, paths, tangles[t]);
+    if (direction.isZero(0)) return;
+    for (const Member& member : tangles[t]) {
+      const BoundaryPath<3> way = straight_way(positions, points[member.point].query.point, points[member.point].query.element,
+                                               member.side * direction);
+      if (way.status == PathStatus::kFound) paths[member.point] = way;
+    }
+  });
+}
+
+}  // namespace selvage

@@ -1,0 +1,46 @@
+#pragma once
+
+#include "contact/path_contact.h"
+
+namespace selvage {
+
+/// One way out for all points of a tangle of two pieces, where their own disagree.
+///
+/// A rod that runs right through another has points whose shortest paths lead up, and others whose lead down: they pull
+/// against one another, and hold the rods in each other for ever. All these points then leave in one direction, each
+/// straight to where it meets the boundary: in that one of some directions in which what is in the other piece, and
+/// what follows it, has the shortest way.
+///
+/// Points are in a tangle where a point shares a vertex, or a vertex of the element that it is in, with another. Those
+/// of one piece leave in a direction, those of the other against it. Points of colliders, and those inside their own
+/// piece, keep their shortest paths, as those do whose straight way ends nowhere.
+class CommonWaysOut {
+ public:
+  explicit CommonWaysOut(const TetMesh& mesh);
+
+  /// Replaces the ways out of tangles whose own disagree. O(points), some hundred elements each.
+  /// @param positions  (n_vertices) [m]
+  /// @param points     each in its element
+  /// @param paths      (n_points) their shortest paths; updated
+  void apply(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
+             std::span<BoundaryPath<3>> paths) const;
+
+ private:
+  /// A point of a tangle: on its way by `side` times the tangle's direction.
+  struct Member {
+    Index tangle, point;
+    double side;
+  };
+
+  std::vector<Member> members_of(std::span<const PenetratingPoint> points) const;
+  BoundaryPath<3> straight_way(std::span<const Vec3> positions, const Vec3& point, Index element,
+                               const Vec3& direction) const;
+  double length_behind(std::span<const Vec3> positions, const PenetratingPoint& point, const Vec3& direction) const;
+  Vec3 best_direction(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
+                      std::span<const BoundaryPath<3>> paths, std::span<const Member> members) const;
+
+  const TetMesh& mesh_;
+  std::vector<Index> pieces_;  ///< (n_elements)
+};
+
+}  // namespace selvage
