@@ -14,9 +14,11 @@ namespace selvage {
 namespace {
 
 /// Length of the sum of all ways out over the sum of their lengths, below which they disagree.
-constexpr double kAgreement = 0.3;
+constexpr double kAgreement = 0.5;
 /// Points of a tangle by which directions are compared.
 constexpr std::size_t kSamples = 64;
+/// Sine of the angle to a face below which a straight way does not leave by it.
+constexpr double kParallel = 1e-9;
 /// Elements on a straight way, at most.
 constexpr int kMaxElements = 1000;
 
@@ -86,7 +88,7 @@ BoundaryPath<3> CommonWaysOut::straight_way(std::span<const Vec3> positions, con
       const auto corners = corners_of(TetMesh::face_of(mesh_.elements()[element], face), positions);
       const Vec3 normal = area_normal(corners);
       const double speed = normal.dot(direction);
-      if (!(speed > 0)) continue;
+      if (!(speed > kParallel * normal.norm())) continue;
       const double at = normal.dot(corners[0] - point) / speed;
       if (at < nearest) nearest = at, exit = face;
     }

@@ -62,7 +62,10 @@ struct StepImpacts {
 /// the material proposes. Any sequence of positions is legal, tangled and inverted meshes too.
 /// A point is not compared with elements that share a vertex with it: neighbours that touch are no contact.
 ///
-/// Source: Chen, Diaz, Yuksel 2023 (SPB), section 4 and supplement, algorithm 5.
+/// Source: Chen, Diaz, Yuksel 2023 (SPB), section 4 and supplement, algorithm 5. Beyond it, in kHybrid with shortest
+/// paths: where the ways out of a tangle of two connected pieces disagree, as where a rod runs right through another,
+/// they would pull to both sides for ever. All its points then leave straight in one direction, in that one of some
+/// directions in which the pieces part soonest.
 ///
 /// Example, built and run by the tests:
 /// @include contact_finder.cpp

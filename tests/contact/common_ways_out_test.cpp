@@ -1,0 +1,111 @@
+// Ways out of bodies that cut through each other.
+#include "contact/common_ways_out.h"
+#include "selvage/contact/contact_finder.h"
+#include "solids.h"
+#include "threads.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace selvage {
+namespace {
+
+using solids::Solid;
+
+/// The contacts by paths of bodies that stand in one another.
+std::vector<Contact> ways_out(const Solid& solid) {
+  const TetMesh mesh = solid.mesh();
+  ContactFinder finder(mesh, {}, solid.positions);
+  finder.begin_step(solid.positions);
+  std::vector<Contact> contacts;
+  finder.find_contacts(solid.positions, contacts);
+  return contacts;
+}
+
+/// Where the first body goes by a contact.
+Vec3 way_of_first(const Contact& contact, Index first_count) {
+  return contact.vertices[0] < first_count ? contact.normal : Vec3(-contact.normal);
+}
+
+TEST(CommonWaysOut, LeadTwoRodsThatCrossApartAcrossBoth) {
+  const Solid along_x = solids::box({-1, -0.1, -0.1}, {1, 0.1, 0.1}, 0.1);
+  const Solid along_y = solids::box({-0.1, -1, -0.1}, {0.1, 1, 0.1}, 0.1);
+  const Solid both = solids::together({along_x, along_y});
+  const std::vector<Contact> contacts = ways_out(both);
+  ASSERT_GT(contacts.size(), 8u);
+  const auto first_count = static_cast<Index>(along_x.positions.size());
+  const Vec3 way = way_of_first(contacts[0], first_count);
+  EXPECT_NEAR(std::abs(way[2]), 1, 1e-12);
+  for (const Contact& contact : contacts) {
+    EXPECT_EQ(way_of_first(contact, first_count), way);
+    // Straight through the other, not to its nearer side.
+    EXPECT_NEAR(contact.point[2], contact.vertices[0] < first_count ? 0.1 * way[2] : -0.1 * way[2], 1e-12);
+    EXPECT_LE(gap_of(contact, both.positions), 1e-12);
+  }
+}
+
+TEST(CommonWaysOut, LeadABodyInsideAnotherToTheNearestSide) {
+  const Solid outer = solids::box({0, 0, 0}, {1, 1, 1}, 0.25), inner = solids::box({0.3, 0.3, 0.42}, {0.7, 0.7, 0.82}, 0.2);
+  const Solid both = solids::together({outer, inner});
+  const std::vector<Contact> contacts = ways_out(both);
+  ASSERT_GE(contacts.size(), 26u);
+  for (const Contact& contact : contacts) {
+    EXPECT_EQ(contact.normal, Vec3(0, 0, 1));
+    EXPECT_NEAR(contact.point[2], 1, 1e-12);
+  }
+}
+
+TEST(CommonWaysOut, LeaveShortestPathsThatAgreeAsTheyAre) {
+  // A small block a little in the face of a large one.
+  const Solid large = solids::box({0, 0, 0}, {2, 2, 1}, 0.5), small = solids::box({0.8, 0.8, 0.97}, {1.2, 1.2, 1.3}, 0.2);
+  const Solid both = solids::together({large, small});
+  const std::vector<Contact> contacts = ways_out(both);
+  ASSERT_FALSE(contacts.empty());
+  for (const Contact& contact : contacts)
+    EXPECT_EQ(way_of_first(contact, static_cast<Index>(large.positions.size())), Vec3(0, 0, -1));
+}
+
+TEST(CommonWaysOut, LeavePointsInTheirOwnPieceToTheShortestPath) {
+  // As found by the finder in one body of one piece: nothing is in another.
+  test::Random random(7);
+  int tested = 0;
+  for (const auto& family : solids::families()) {
+    const Solid solid = family.make(random);
+    const TetMesh mesh = solid.mesh();
+    const std::vector<Index> pieces = mesh.element_components();
+    if (*std::max_element(pieces.begin(), pieces.end()) > 0) continue;
+    const CommonWaysOut common(mesh);
+    std::vector<PenetratingPoint> points;
+    for (const Index v : mesh.boundary_vertices()) points.push_back(penetrating_vertex(v, 0, solid.positions));
+    std::vector<BoundaryPath<3>> paths(points.size());
+    for (BoundaryPath<3>& path : paths) path.status = PathStatus::kFound, path.point = Vec3::Zero();
+    common.apply(solid.positions, points, paths);
+    for (const BoundaryPath<3>& path : paths) EXPECT_EQ(path.face, kNone) << family.name;
+    ++tested;
+  }
+  EXPECT_GT(tested, 0);
+}
+
+TEST(CommonWaysOut, AreTheSameForAnyNumberOfThreadsAndEndOnTheBoundary) {
+  test::Random random(3);
+  for (const auto& family : solids::families())
+    {
+      const Solid solid = solids::together({family.make(random), family.make(random)});
+      const auto contacts = test::with_threads(1, [&] { return ways_out(solid); });
+      const auto again = test::with_threads(4, [&] { return ways_out(solid); });
+      ASSERT_EQ(contacts.size(), again.size()) << family.name;
+      for (std::size_t i = 0; i < contacts.size(); ++i) {
+        EXPECT_EQ(contacts[i].normal, again[i].normal);
+        EXPECT_EQ(contacts[i].weights, again[i].weights);
+        double sum = 0, size = 0;
+        for (int k = 0; k < contacts[i].count; ++k) sum += contacts[i].weights[k], size += std::abs(contacts[i].weights[k]);
+        EXPECT_NEAR(sum, 0, 1e-9) << family.name;
+        EXPECT_LE(size, 2 + 1e-9);
+        EXPECT_NEAR(contacts[i].normal.norm(), 1, 1e-9);
+      }
+    }
+}
+
+}  // namespace
+}  // namespace selvage

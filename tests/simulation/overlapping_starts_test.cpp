@@ -1,0 +1,59 @@
+// Bodies that start in one another, however, come free.
+#include "simulation/bodies.h"
+#include "test_scale.h"
+
+#include <gtest/gtest.h>
+
+namespace selvage {
+namespace {
+
+using namespace bodies;
+
+constexpr int kStepsAFrame = 5;
+
+IndexedMesh any_shape(std::mt19937& engine) {
+  std::uniform_real_distribution<double> number(-1, 1);
+  IndexedMesh mesh;
+  switch (engine() % 4) {
+    case 0:
+      mesh = moved(make_box({0.5, 0.4, 0.4}, 0.13), {-0.25, -0.2, -0.2});
+      break;
+    case 1:
+      mesh = make_shape("torus", {.elements = 500, .radius = 0.3, .inner_radius = 0.1});
+      break;
+    case 2:
+      mesh = make_ball(0.28, 0.12);
+      break;
+    default:
+      mesh = make_shape("rod", {.elements = 500, .length = 1, .radius = 0.08});
+  }
+  const Eigen::Quaterniond turn =
+      Eigen::Quaterniond(number(engine), number(engine), number(engine), number(engine)).normalized();
+  const Vec3 place(0.3 * number(engine), 0.3 * number(engine), 1.25 + 0.35 * number(engine));
+  for (Vec3& p : mesh.positions) p = turn * p + place;
+  return mesh;
+}
+
+TEST(OverlappingStarts, ComeFreeInAFewFrames) {
+  std::int64_t overlapping = 0;
+  const std::int64_t count = test::scaled(12, 2);
+  for (std::int64_t n = 0; n < count; ++n) {
+    const std::uint64_t seed = test::seed(static_cast<std::uint64_t>(n));
+    std::mt19937 engine(static_cast<unsigned>(seed));
+    std::vector<IndexedMesh> meshes(3 + engine() % 4);
+    for (IndexedMesh& mesh : meshes) mesh = any_shape(engine);
+    const Model model = make(meshes, damped(neo_hookean(2e5, 0.4), 0.002));
+    State state = make_state(model, model.rest_positions);
+    XpbdSolver solver(model, state, {}, {Collider{.shape = PlaneShape{}}}, {});
+    for (int step = 0; step < 20 * kStepsAFrame; ++step) {
+      solver.step(state);
+      if (step == 0) overlapping += solver.statistics().contact.penetrating_edges > 0;
+    }
+    solver.step(state);
+    EXPECT_EQ(solver.statistics().unguarded_vertices, 0) << "seed " << seed;
+  }
+  EXPECT_GE(overlapping, count / 2);
+}
+
+}  // namespace
+}  // namespace selvage
