@@ -7,7 +7,9 @@
 #include "page/page_surface.h"
 #include "page/pose_blocks.h"
 #include "scene/files/statistics_table.h"
+#include "scene/reading/stored_colliders.h"
 #include "scene/reading/stored_run.h"
+#include "scene/reading/touches.h"
 #include "selvage/core/error.h"
 
 #include <fmt/format.h>
@@ -98,8 +100,7 @@ class RunPoses {
       const auto& row = run_.rows[static_cast<std::size_t>(frames_[i])];
       const auto positions = run_.read_frame_positions(frames_[i]);
       poses.add(positions, row.time);
-      if (options_.marks && row.penetrating_vertices + row.triangle_pairs > 0)
-        add_marks(page, surface_, i, find_marks(positions));
+      if (options_.marks) add_marks_of(row, positions, i, page);
       most_pairs = std::max(most_pairs, row.triangle_pairs);
       if (page.block_length() > kMaxPageLength)
         throw Error(run_.folder.string(),
@@ -109,6 +110,7 @@ class RunPoses {
       if (options_.on_progress) options_.on_progress(static_cast<double>(i + 1) / static_cast<double>(frames_.size()));
     }
     poses.finish();
+    if (touches_) page.head()["touching_distance"] = touches_->distance();
     if (options_.marks && most_pairs > static_cast<std::int64_t>(MarkFinder::kMaxPairs))
       page.add_warning(fmt::format("Of each frame only the first {} pairs of triangles that cross are marked.",
                                    MarkFinder::kMaxPairs));
@@ -116,12 +118,17 @@ class RunPoses {
   }
 
  private:
-  Marks find_marks(std::span<const Vec3> positions) {
+  void add_marks_of(const FrameStatistics& row, std::span<const Vec3> positions, std::size_t pose, Page& page) {
     if (!mesh_) {
       mesh_.emplace(static_cast<Index>(run_.topology.header.vertices), run_.topology.elements);
-      finder_.emplace(*mesh_, positions);
+      touches_.emplace(*mesh_, positions, read_stored_colliders(run_.scene, scene_path(run_.folder).string()));
     }
-    return finder_->find(positions);
+    Marks marks;
+    if (row.penetrating_vertices + row.triangle_pairs > 0) {
+      if (!finder_) finder_.emplace(*mesh_, positions);
+      marks = finder_->find(positions);
+    }
+    add_marks(page, surface_, pose, marks, touches_->find(positions, row.time));
   }
 
   const StoredRun& run_;
@@ -130,6 +137,7 @@ class RunPoses {
   std::vector<std::int64_t> frames_;
   std::optional<TetMesh> mesh_;
   std::optional<MarkFinder> finder_;
+  std::optional<TouchFinder> touches_;
 };
 
 }  // namespace

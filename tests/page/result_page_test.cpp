@@ -51,12 +51,12 @@ void expect_words(const std::string& message, const std::vector<std::string>& wo
 }
 
 struct ReadMarks {
-  std::vector<std::int64_t> vertices, triangles, features;
+  std::vector<std::int64_t> vertices, triangles, features, touch_vertices;
   std::vector<float> numbers;
-  std::string kinds;
+  std::string kinds, touch_kinds, touch_places, touch_normals;
 
   explicit ReadMarks(const std::string& bytes) {
-    std::array<std::int32_t, 3> counts{};
+    std::array<std::int32_t, 4> counts{};
     std::memcpy(counts.data(), bytes.data(), sizeof counts);
     std::size_t at = sizeof counts;
     const auto take = [&](std::size_t size) {
@@ -70,6 +70,11 @@ struct ReadMarks {
     triangles = unpack(take(8 * pairs), 4, 2);
     if (counts[2] == 1) features = unpack(take(16 * pairs), 4, 4);
     kinds = take(pairs);
+    const auto touches = static_cast<std::size_t>(counts[3]);
+    touch_vertices = unpack(take(8 * touches), 4, 2);
+    touch_kinds = take(touches);
+    touch_places = take(touches);
+    touch_normals = take(3 * touches);
     EXPECT_EQ(at, bytes.size());
   }
 };
@@ -126,6 +131,36 @@ TEST(RunPage, MarksAreWhatTheStatisticsCount) {
   RunPageOptions plain;
   plain.marks = false;
   EXPECT_TRUE(head_of(print_run_page(folder.path(), plain))["marked"].empty());
+}
+
+TEST(RunPage, TouchesAreThoseOfEachFrame) {
+  const TemporaryFolder folder;
+  // A block that rests on a plane from the start, and one that never comes near anything.
+  std::string scene = kScene;
+  const auto put = [&](const std::string& before, const std::string& after) {
+    scene.replace(scene.find(before), before.size(), after);
+  };
+  put("[0, 0, 0.1]", "[0, 0, 0.001]");
+  put("[0.3, 0.2, 0.9]", "[9, 9, 9]");
+  put(R"("translate": [0, 0, 1]}]})", R"("translate": [0, 0, 0]}]})");
+  RunOptions options;
+  options.folder = folder.path();
+  run_scene(parse_scene(scene, "blocks.json"), options);
+  const std::string page = print_run_page(folder.path());
+  const auto head = head_of(page);
+  EXPECT_EQ(head["marked"], (std::vector<int>{0, 1, 2, 3}));
+  EXPECT_GT(head["touching_distance"].get<double>(), 0.001);
+  const ReadMarks marks(block_of(page, "marks0"));
+  EXPECT_EQ(marks.vertices.size() + marks.kinds.size(), 0u);
+  EXPECT_EQ(marks.touch_kinds, std::string(9, '\6'));  // the lower side has nine vertices
+  EXPECT_EQ(marks.touch_places, std::string(9, '\0'));
+  EXPECT_EQ(marks.touch_normals, std::string(18, '\0') + std::string(9, '\x7f'));
+  const auto rest = block_of(page, "rest");
+  for (std::size_t i = 0; i < 18; ++i) {
+    float z = 0;
+    std::memcpy(&z, rest.data() + 12 * static_cast<std::size_t>(marks.touch_vertices[i]) + 8, sizeof z);
+    EXPECT_EQ(z, 0.001f);
+  }
 }
 
 TEST(RunPage, LeavesOutFramesButNotTheLast) {

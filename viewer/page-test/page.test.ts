@@ -172,6 +172,22 @@ describe("the page of a run", () => {
     expect(Number((await state()).drawn)).toBeGreaterThan(3);
   });
 
+  it("shows contacts as arrows, and keys work after a click on a box", async () => {
+    await page.keyboard.press("End");
+    await until("frame", "20");
+    const before = await pixels();
+    const box = page.locator("#options").getByText("contacts", { exact: true }).locator("..").locator("input");
+    await box.click();
+    expect(difference(before, await pixels())).toBeGreaterThan(0.0005);
+    await page.keyboard.press(" ");
+    expect(await box.isChecked()).toBe(false);
+    await page.keyboard.press("m");
+    await page.keyboard.press("m");
+    expect((await state()).colour).toBe("contact");
+    expect(await page.textContent("#legend")).toMatch(/collider: \d+/);
+    for (let i = 0; i < 3; ++i) await page.keyboard.press("m");
+  });
+
   it("colours by all that it knows", async () => {
     await page.keyboard.press("Home");
     await until("frame", "0");
@@ -180,8 +196,8 @@ describe("the page of a run", () => {
       await page.keyboard.press("m");
       seen.push((await state()).colour);
     }
-    expect(seen).toEqual(["body", "depth", "contact", "speed", "stretch"]);
-    expect(await page.textContent("#legend")).toContain("largest stretch");
+    expect(seen).toEqual(["body", "depth", "contact", "speed", "strain"]);
+    expect(await page.textContent("#legend")).toContain("largest strain");
     await page.keyboard.press("m");
     expect(await page.locator("#legend .swatch").count()).toBe(3);
   });
@@ -218,7 +234,7 @@ describe("the page of a run", () => {
     const text = (await page.textContent("#pick"))!;
     expect(text).toMatch(/^vertex \d+ of block/);
     expect(text).toContain("m/s");
-    expect(text).toContain("stretched by");
+    expect(text).toContain("strained by");
     await page.mouse.click(box.x + 5, box.y + box.height - 5);
     expect(await page.locator("#pick").isHidden()).toBe(true);
   });

@@ -8,7 +8,7 @@ import {
   rampColour,
   shortNumber,
   speeds,
-  stretches,
+  strains,
   toLinear,
   type Rgb,
 } from "./fields";
@@ -16,7 +16,7 @@ import { column } from "./charts";
 import type { Head } from "./head";
 import type { Surface } from "./surface";
 
-export type Mode = "body" | "depth" | "speed" | "stretch" | "contact";
+export type Mode = "body" | "depth" | "speed" | "strain" | "contact";
 
 /// A pose and what its values are computed from.
 export interface Shown {
@@ -44,7 +44,7 @@ export class Colouring {
     this.modes = ["body"];
     if (head.marked.length > 0) this.modes.push("depth", "contact");
     if (head.kind === "run" && head.times.length > 1) this.modes.push("speed");
-    if (rest) this.modes.push("stretch");
+    if (rest) this.modes.push("strain");
     this.bodies = Array.from({ length: surface.bodyCount }, (_, b) => toLinear(bodyColour(b)));
     const largest = (name: string) => (head.statistics ? column(head, name).reduce((a, b) => Math.max(a, b), 0) : 0);
     this.fastest = largest("fastest");
@@ -54,7 +54,7 @@ export class Colouring {
   /// Values of a mode other than "body" and "contact".
   values(mode: Mode, shown: Shown): Float32Array {
     if (mode === "depth") return depths(this.surface, shown.marks);
-    if (mode === "stretch") return stretches(this.rest!, shown.positions, this.surface.triangles);
+    if (mode === "strain") return strains(this.rest!, shown.positions, this.surface.triangles);
     return shown.before ? speeds(shown.before, shown.positions, shown.seconds) : new Float32Array(this.surface.vertexCount);
   }
 
@@ -97,8 +97,8 @@ export class Colouring {
     const lines = [`vertex ${this.surface.vertexIds[vertex]} of ${name}`];
     lines.push(`at ${[...p].map((x) => shortNumber(x)).join(", ")} m`);
     if (this.modes.includes("speed")) lines.push(`${shortNumber(this.values("speed", shown)[vertex])} m/s`);
-    if (this.modes.includes("stretch"))
-      lines.push(`stretched by ${shortNumber(100 * this.values("stretch", shown)[vertex])} %`);
+    if (this.modes.includes("strain"))
+      lines.push(`strained by ${shortNumber(100 * this.values("strain", shown)[vertex])} %`);
     const contact = contacts(this.surface, shown.marks)[vertex];
     if (contact === 1) lines.push(`inside, ${shortNumber(1e3 * this.values("depth", shown)[vertex])} mm deep`);
     else if (this.head.marked.length > 0) lines.push(contactNames[contact]);
@@ -124,7 +124,7 @@ function contactLegend(kinds: Uint8Array): HTMLElement[] {
 const rampTitles: Record<string, (top: number) => [string, string]> = {
   depth: (top) => ["depth inside", `${shortNumber(1e3 * top)} mm`],
   speed: (top) => ["speed", `${shortNumber(top)} m/s`],
-  stretch: (top) => ["largest stretch", `${shortNumber(100 * top)} % and more`],
+  strain: (top) => ["largest strain", `${shortNumber(100 * top)} % and more`],
 };
 
 function rampLegend(mode: Mode, top: number): HTMLElement {

@@ -46,7 +46,7 @@ export function unpackPose(bytes: Uint8Array, before: Uint16Array | null): Uint1
   return places;
 }
 
-export const kindNames = ["near", "touching", "crossing", "coplanar overlap", "vertex and face", "edge and edge"];
+export const kindNames = ["near", "touching", "crossing", "coplanar overlap", "vertex and face", "edge and edge", "collider"];
 
 /// Points inside with their ways out, and pairs of triangles, of one pose.
 export interface Marks {
@@ -57,21 +57,31 @@ export interface Marks {
   pairs: Int32Array; // two triangles each
   kinds: Int32Array;
   features: Int32Array; // four each
+  touchVertices: Int32Array; // of each touch two: the ends of an edge, or twice a vertex
+  touchKinds: Int32Array;
+  touchPlaces: Float32Array; // from 0 to 1, between the two
+  touchNormals: Float32Array; // three each
 }
 
-export const noMarks: Marks = readMarks(new Uint8Array(12));
+export const noMarks: Marks = readMarks(new Uint8Array(16));
 
 /// Reverses add_marks() of src/page/marks.h.
 export function readMarks(bytes: Uint8Array<ArrayBuffer>): Marks {
   let at = 0;
   const take = (count: number) => bytes.slice(at, (at += count));
-  const [paths, count, hasFeatures] = new Int32Array(take(12).buffer);
+  const [paths, count, hasFeatures, touches] = new Int32Array(take(16).buffer);
   const vertices = unpackIntegers(take(4 * paths), 1);
   const numbers = new Float32Array(take(28 * paths).buffer);
   const pairs = unpackIntegers(take(8 * count), 2);
   const features = hasFeatures ? unpackIntegers(take(16 * count), 4) : new Int32Array(4 * count).fill(-1);
   const kinds = Int32Array.from(take(count));
-  const marks = { vertices, pairs, kinds, features, depths: new Float32Array(paths), from: new Float32Array(3 * paths), to: new Float32Array(3 * paths) };
+  const touchVertices = unpackIntegers(take(8 * touches), 2);
+  const touchKinds = Int32Array.from(take(touches));
+  const touchPlaces = Float32Array.from(take(touches), (place) => place / 255);
+  const normals = new Int8Array(take(3 * touches).buffer);
+  const touchNormals = Float32Array.from({ length: 3 * touches }, (_, i) => normals[(i % 3) * touches + Math.floor(i / 3)] / 127);
+  const met = { touchVertices, touchKinds, touchPlaces, touchNormals };
+  const marks = { vertices, pairs, kinds, features, ...met, depths: new Float32Array(paths), from: new Float32Array(3 * paths), to: new Float32Array(3 * paths) };
   for (let i = 0; i < paths; ++i) {
     marks.depths[i] = numbers[7 * i];
     marks.from.set(numbers.subarray(7 * i + 1, 7 * i + 4), 3 * i);

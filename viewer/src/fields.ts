@@ -1,6 +1,6 @@
 // Values of vertices and the colours that show them.
 
-import type { Marks } from "./decode";
+import { kindNames, type Marks } from "./decode";
 import type { Surface } from "./surface";
 
 /// Speed of each vertex between two poses [m/s].
@@ -15,18 +15,18 @@ export function speeds(before: Float32Array, after: Float32Array, seconds: numbe
   return values;
 }
 
-/// Largest stretch of the triangles around each vertex: the factor by which a length in a triangle has grown, less 1.
-/// It is the larger singular value of the map from the triangle at rest to the triangle as it is.
-export function stretches(rest: Float32Array, positions: Float32Array, triangles: Int32Array): Float32Array {
+/// Largest strain of the triangles around each vertex: the part by which a length in a triangle has grown or shrunk.
+/// It comes from the singular values of the map from the triangle at rest to the triangle as it is.
+export function strains(rest: Float32Array, positions: Float32Array, triangles: Int32Array): Float32Array {
   const values = new Float32Array(positions.length / 3);
   for (let t = 0; t < triangles.length; t += 3) {
-    const stretch = stretchOf(rest, positions, triangles[t], triangles[t + 1], triangles[t + 2]);
-    for (let i = 0; i < 3; ++i) values[triangles[t + i]] = Math.max(values[triangles[t + i]], stretch);
+    const strain = strainOf(rest, positions, triangles[t], triangles[t + 1], triangles[t + 2]);
+    for (let i = 0; i < 3; ++i) values[triangles[t + i]] = Math.max(values[triangles[t + i]], strain);
   }
   return values;
 }
 
-function stretchOf(rest: Float32Array, now: Float32Array, a: number, b: number, c: number): number {
+function strainOf(rest: Float32Array, now: Float32Array, a: number, b: number, c: number): number {
   // Products of the edges at rest (R) and now (N): the squared stretches are the eigenvalues of R^-1 N.
   const [r11, r12, r22] = edgeProducts(rest, a, b, c);
   const [n11, n12, n22] = edgeProducts(now, a, b, c);
@@ -35,7 +35,8 @@ function stretchOf(rest: Float32Array, now: Float32Array, a: number, b: number, 
   const trace = (r22 * n11 - 2 * r12 * n12 + r11 * n22) / determinant;
   const product = (n11 * n22 - n12 * n12) / determinant;
   const largest = trace / 2 + Math.sqrt(Math.max(0, (trace * trace) / 4 - product));
-  return Math.max(0, Math.sqrt(Math.max(0, largest)) - 1);
+  const smallest = largest > 0 ? product / largest : 0;
+  return Math.max(Math.sqrt(Math.max(0, largest)) - 1, 1 - Math.sqrt(Math.max(0, smallest)));
 }
 
 function edgeProducts(p: Float32Array, a: number, b: number, c: number): [number, number, number] {
@@ -57,9 +58,10 @@ export function depths(surface: Surface, marks: Marks): Float32Array {
   return values;
 }
 
-export const contactNames = ["free", "inside", "near", "touching", "crossing", "coplanar overlap", "vertex and face", "edge and edge"];
+export const contactNames = ["free", "inside", ...kindNames];
 
-/// How each vertex meets others, as a number of contactNames. Inside stands above what its triangles do.
+/// How each vertex meets others, as a number of contactNames. Inside stands above what its triangles do, and that above
+/// what it touches.
 export function contacts(surface: Surface, marks: Marks): Uint8Array {
   const values = new Uint8Array(surface.vertexCount);
   marks.kinds.forEach((kind, pair) => {
@@ -69,6 +71,7 @@ export function contacts(surface: Surface, marks: Marks): Uint8Array {
         values[v] = Math.max(values[v], kind + 2);
       }
   });
+  marks.touchVertices.forEach((v, i) => (values[v] ||= marks.touchKinds[i >> 1] + 2));
   for (const v of marks.vertices) if (v >= 0) values[v] = 1;
   return values;
 }
@@ -77,7 +80,7 @@ export function contacts(surface: Surface, marks: Marks): Uint8Array {
 // is marked.
 const palette = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#f0e442", "#3c3c3c", "#b8b8b8"];
 export const markColour = "#d55e00";
-const contactPalette = ["#c8c8c8", "#d55e00", "#e0e0b0", "#f0e442", "#cc79a7", "#0072b2", "#009e73", "#56b4e9"];
+const contactPalette = ["#c8c8c8", "#d55e00", "#e0e0b0", "#f0e442", "#cc79a7", "#0072b2", "#009e73", "#56b4e9", "#3c3c3c"];
 
 export type Rgb = [number, number, number];
 

@@ -44,6 +44,7 @@ export interface Head {
   times: number[];
   key_interval: number;
   marked: number[];
+  touching_distance?: number; // what is nearer touches [m]
   frames?: number[];
   scene?: Scene;
   summary?: Record<string, unknown>;

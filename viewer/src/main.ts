@@ -52,6 +52,7 @@ class Viewer {
     opacity: 1,
     triangles: true,
     ways: true,
+    touches: false,
     colliders: true,
     ground: true,
     cut: false,
@@ -93,6 +94,7 @@ class Viewer {
     if (this.head.marked.length > 0) {
       gui.add(options, "triangles").name("colliding triangles").onChange(() => this.showMarks());
       gui.add(options, "ways").name("ways out").onChange(() => this.showMarks());
+      if (this.head.touching_distance) gui.add(options, "touches").name("contacts").onChange(() => this.showMarks());
     }
     if (this.head.scene?.colliders.length)
       gui.add(options, "colliders").onChange((on: boolean) => stage.setShown("colliders", on));
@@ -117,7 +119,8 @@ class Viewer {
   }
 
   private showMarks(): void {
-    this.stage.setMarks(this.shown.marks, this.options.triangles, this.options.ways);
+    const { triangles, ways, touches } = this.options;
+    this.stage.setMarks(this.shown.marks, triangles, ways, touches);
   }
 
   private paint(): void {
@@ -183,16 +186,18 @@ class Viewer {
       d: () => this.setTheme(state.theme !== "dark"),
       h: () => element<HTMLDialogElement>("keys").showModal(),
     };
-    document.addEventListener("keydown", (event) => {
+    const answer = (event: KeyboardEvent) => {
       const target = event.target as HTMLElement;
       if (event.ctrlKey || event.metaKey || event.altKey || element<HTMLDialogElement>("keys").open) return;
       // Where keys have a meaning of their own they keep it.
-      const own = target.matches("input:not([type=range]), select") || (event.key === " " && target.matches("button"));
+      const own = target.matches("select, input:not([type=range], [type=checkbox])") || (event.key === " " && target.matches("button, [type=checkbox]"));
       const act = keys[event.key];
       if (own || !act) return;
       event.preventDefault();
       act();
-    });
+    };
+    // Before the panel gets them, which lets none through.
+    document.addEventListener("keydown", answer, true);
   }
 
   private bindPick(): void {

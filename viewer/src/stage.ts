@@ -1,6 +1,7 @@
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { MeshBVH } from "three-mesh-bvh";
+import { Arrows } from "./arrows";
 import { Colliders, findGround } from "./colliders";
 import { Cut } from "./cut";
 import type { Marks } from "./decode";
@@ -8,7 +9,6 @@ import { markColour } from "./fields";
 import { blends, type Head } from "./head";
 import { findNormals, sortByBody, type Surface } from "./surface";
 
-const pathColour = 0xcc2fa0;
 /// Bodies that have caps of their own colour; more share one.
 const maxCaps = 48;
 
@@ -36,7 +36,7 @@ export class Stage {
   private edges: THREE.LineSegments<THREE.BufferGeometry, THREE.LineBasicMaterial>;
   private marked: THREE.Mesh;
   private chosen: THREE.Mesh[];
-  private arrows = new THREE.Group();
+  private arrows: Arrows;
   private pickDot: THREE.Points;
   private shadow: THREE.Mesh;
   private ground: THREE.Group;
@@ -93,6 +93,7 @@ export class Stage {
     this.pickDot.renderOrder = 2000;
 
     const size = this.box.getSize(new THREE.Vector3()).length() || 1;
+    this.arrows = new Arrows(size);
     const focus = this.box.getCenter(new THREE.Vector3());
     const shown = head.scene?.colliders ?? [];
     const corners = [this.box.min, this.box.max].map((corner) => corner.dot(this.up));
@@ -112,9 +113,9 @@ export class Stage {
     sun.position.copy(this.up).multiplyScalar(2).add(new THREE.Vector3(0.7, -1.1, 0.5));
     const sky = new THREE.HemisphereLight(0xffffff, 0x8c8880, 1.5);
     sky.position.copy(this.up);
-    const parts = [this.bodies, this.edges, this.marked, ...this.chosen, this.arrows, this.pickDot, this.shadow];
+    const parts = [this.bodies, this.edges, this.marked, ...this.chosen, this.arrows.group, this.pickDot, this.shadow];
     this.scene.add(...parts, this.ground, this.colliders.group, sun, sky);
-    this.fit();
+    this.fit(this.box);
   }
 
   private share(geometry: THREE.BufferGeometry): THREE.BufferGeometry {
@@ -196,39 +197,11 @@ export class Stage {
     this.draw();
   }
 
-  setMarks(marks: Marks, showTriangles: boolean, showPaths: boolean): void {
+  setMarks(marks: Marks, showTriangles: boolean, showPaths: boolean, showTouches: boolean): void {
     this.marked.visible = showTriangles && marks.pairs.length > 0;
     this.setTriangles(this.marked, [...new Set(marks.pairs)]);
-    for (const old of this.arrows.children) (old as THREE.Mesh).geometry.dispose();
-    this.arrows.clear();
-    if (showPaths && marks.vertices.length > 0) this.addArrows(marks);
+    this.arrows.show(marks, showPaths, showTouches, (vertex) => this.positionOf(vertex));
     this.draw();
-  }
-
-  private addArrows(marks: Marks): void {
-    const ends: number[] = [];
-    marks.depths.forEach((depth, i) => {
-      if (depth >= 0) ends.push(...marks.from.subarray(3 * i, 3 * i + 3), ...marks.to.subarray(3 * i, 3 * i + 3));
-    });
-    const lines = new THREE.BufferGeometry().setAttribute("position", new THREE.Float32BufferAttribute(ends, 3));
-    const settings = { color: pathColour, depthTest: false, transparent: true };
-    const shafts = new THREE.LineSegments(lines, new THREE.LineBasicMaterial(settings));
-    const tip = new THREE.ConeGeometry(0.12, 0.4, 8).translate(0, -0.2, 0);
-    const tips = new THREE.InstancedMesh(tip, new THREE.MeshBasicMaterial(settings), ends.length / 6);
-    const largest = 0.02 * this.box.getSize(new THREE.Vector3()).length();
-    for (let i = 0; i < tips.count; ++i) {
-      const from = new THREE.Vector3().fromArray(ends, 6 * i);
-      const to = new THREE.Vector3().fromArray(ends, 6 * i + 3);
-      const way = to.clone().sub(from);
-      const length = Math.min(way.length(), largest);
-      const turn = new THREE.Quaternion().setFromUnitVectors(new THREE.Vector3(0, 1, 0), way.normalize());
-      tips.setMatrixAt(i, new THREE.Matrix4().compose(to, turn, new THREE.Vector3().setScalar(length || 1e-9)));
-    }
-    for (const part of [shafts, tips]) {
-      part.renderOrder = 1995;
-      part.frustumCulled = false;
-      this.arrows.add(part);
-    }
   }
 
   private setTriangles(mesh: THREE.Mesh, triangles: number[]): void {
@@ -273,10 +246,11 @@ export class Stage {
     this.draw();
   }
 
-  fit(): void {
+  /// Shows the pose, or at first all poses.
+  fit(box = new THREE.Box3().setFromBufferAttribute(this.positions)): void {
     const across = new THREE.Vector3(0.55, -1, 0);
     if (Math.abs(across.dot(this.up)) > 0.5) across.set(1, 0, 0.5);
-    this.lookAt(this.box, 0.86, across.addScaledVector(this.up, 0.55));
+    this.lookAt(box, 0.86, across.addScaledVector(this.up, 0.55));
   }
 
   setSmooth(smooth: boolean): void {

@@ -59,11 +59,13 @@ describe("blocks", () => {
     expect([...unpackPose(packPose(second, first), read)]).toEqual(second);
   });
 
-  it("reads marks of one path to nowhere, one of a free point, and two pairs", () => {
-    const counts = new Uint8Array(new Int32Array([2, 2, 1]).buffer);
+  it("reads marks of one path to nowhere, one of a free point, two pairs and two touches", () => {
+    const counts = new Uint8Array(new Int32Array([2, 2, 1, 2]).buffer);
     const numbers = new Uint8Array(new Float32Array([-1, 1, 2, 3, 1, 2, 3, 0.5, 0, 0, 0, 0, 0, 0.5]).buffer);
     const parts = [counts, packIntegers([7, -1], 1), numbers, packIntegers([0, 9, 4, 5], 2)];
     parts.push(packIntegers([1, 2, -1, -1, 0, 1, 2, 3], 4), new Uint8Array([4, 5]));
+    // A vertex on a collider, and the middle of an edge: kinds, places, then x, y and z of the normals.
+    parts.push(packIntegers([3, 3, 8, 6], 2), new Uint8Array([6, 5, 0, 51, 0, 127, 0, 0, 129, 0]));
     const bytes = new Uint8Array(parts.flatMap((part) => [...part]));
     const marks = readMarks(bytes);
     expect([...marks.vertices]).toEqual([7, -1]);
@@ -72,6 +74,10 @@ describe("blocks", () => {
     expect([...marks.pairs]).toEqual([0, 9, 4, 5]);
     expect([...marks.kinds]).toEqual([4, 5]);
     expect([...marks.features]).toEqual([1, 2, -1, -1, 0, 1, 2, 3]);
-    expect(readMarks(new Uint8Array(12)).kinds.length).toBe(0);
+    expect([...marks.touchVertices]).toEqual([3, 3, 8, 6]);
+    expect([...marks.touchKinds]).toEqual([6, 5]);
+    expect(marks.touchPlaces[1]).toBeCloseTo(0.2, 6);
+    expect([...marks.touchNormals]).toEqual([0, 0, -1, 1, 0, 0]);
+    expect(readMarks(new Uint8Array(16)).kinds.length).toBe(0);
   });
 });

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { noMarks } from "../src/decode";
-import { bodyColour, contacts, depths, markColour, parseColour, rampColour, shortNumber, speeds, stretches, toLinear } from "../src/fields";
+import { bodyColour, contacts, depths, markColour, parseColour, rampColour, shortNumber, speeds, strains, toLinear } from "../src/fields";
 import { findComponents, findNormals, findOutline, sortByBody, type Surface } from "../src/surface";
 
 const tetrahedron = Int32Array.from([0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3]);
@@ -52,17 +52,20 @@ describe("values", () => {
     expect([...speeds(before, after, 0)]).toEqual([0, 0]);
   });
 
-  it("stretch is that of the longest direction, and does not feel turns", () => {
+  it("strain is that of the direction that is strained most, and does not feel turns", () => {
     const rest = new Float32Array([0, 0, 0, 1, 0, 0, 0.3, 1, 0]);
     const triangle = Int32Array.from([0, 1, 2]);
     // Twice as long in x, half in y, then turned by a quarter about y: x to -z.
     const now = new Float32Array([5, 0, 0, 5, 0, -2, 5, 0.5, -0.6]);
-    for (const value of stretches(rest, now, triangle)) expect(value).toBeCloseTo(1, 5);
+    for (const value of strains(rest, now, triangle)) expect(value).toBeCloseTo(1, 5);
     // A shear of 1: the golden ratio.
     const sheared = new Float32Array([0, 0, 0, 1, 0, 0, 1.3, 1, 0]);
-    expect(stretches(rest, sheared, triangle)[0]).toBeCloseTo((1 + Math.sqrt(5)) / 2 - 1, 5);
-    expect(stretches(rest, rest.map((x) => 0.5 * x), triangle)[0]).toBe(0);
-    expect(stretches(new Float32Array(9), now, triangle)[0]).toBe(0);
+    expect(strains(rest, sheared, triangle)[0]).toBeCloseTo((1 + Math.sqrt(5)) / 2 - 1, 5);
+    expect(strains(rest, rest.map((x) => 0.25 * x), triangle)[0]).toBeCloseTo(0.75, 6);
+    expect(strains(rest, rest, triangle)[0]).toBeCloseTo(0, 6);
+    // Flat against a line: all is lost in one direction.
+    expect(strains(rest, rest.map((x, i) => (i % 3 === 1 ? 0 : x)), triangle)[0]).toBeCloseTo(1, 6);
+    expect(strains(new Float32Array(9), now, triangle)[0]).toBe(0);
   });
 
   it("depth is the longest way out, and contact the kind of what meets", () => {
@@ -73,9 +76,12 @@ describe("values", () => {
       depths: Float32Array.from([0.25, 9, -1]),
       pairs: Int32Array.from([0, 4]),
       kinds: Int32Array.from([2]),
+      // What is inside or crosses stays so; the others have the first of their touches.
+      touchVertices: Int32Array.from([7, 7, 3, 3, 0, 7]),
+      touchKinds: Int32Array.from([6, 6, 5]),
     };
     expect([...depths(surface, marks)]).toEqual([0, 0, 0, 0.25, 0, 0, 0, 0]);
-    expect([...contacts(surface, marks)]).toEqual([4, 4, 4, 1, 4, 4, 4, 0]);
+    expect([...contacts(surface, marks)]).toEqual([4, 4, 4, 1, 4, 4, 4, 8]);
   });
 
   it("are written in few digits", () => {

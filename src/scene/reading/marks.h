@@ -12,8 +12,8 @@ struct MarkedPath {
   double depth;  ///< negative: there is no way out
 };
 
-/// How two marked triangles meet. The first four are TriangleContact's.
-enum class MarkKind : std::int32_t { kNear, kTouching, kCrossing, kCoplanar, kVertexFace, kEdgeEdge };
+/// How two marked triangles meet, or a body touches something. The first four are TriangleContact's.
+enum class MarkKind : std::int32_t { kNear, kTouching, kCrossing, kCoplanar, kVertexFace, kEdgeEdge, kCollider };
 
 struct MarkedPair {
   std::array<Index, 2> triangles;

@@ -1,0 +1,135 @@
+#include "scene/reading/touches.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace selvage {
+
+namespace {
+
+double touching_distance(const TriangleMesh& surface, std::span<const Vec3> positions) {
+  double sum = 0;
+  for (const auto& [a, b] : surface.edges()) sum += (positions[a] - positions[b]).norm();
+  const double mean = sum / static_cast<double>(surface.edges().size());
+  // A mesh in one point touches nothing, but distances must be positive.
+  return mean > 0 ? TouchFinder::kNear * mean : 1e-300;
+}
+
+PlaneShape grow(const PlaneShape& plane, double by) {
+  return {plane.point + by * plane.normal.normalized(), plane.normal};
+}
+
+BoxContainer grow(const BoxContainer& box, double by) {
+  const Vec3 inset = (0.25 * (box.upper - box.lower)).cwiseMin(by);
+  return {box.lower + inset, box.upper - inset};
+}
+
+/// Higher and narrower: the rim and the hollow both come nearer.
+Bowl grow(const Bowl& bowl, double by) {
+  return {bowl.centre + by * bowl.axis.normalized(), bowl.axis, std::max(bowl.radius - by, 0.5 * bowl.radius)};
+}
+
+SphereShape grow(const SphereShape& sphere, double by) {
+  return {sphere.centre, sphere.radius + by};
+}
+
+CylinderShape grow(const CylinderShape& cylinder, double by) {
+  return {cylinder.centre, cylinder.axis, cylinder.radius + by, cylinder.length + 2 * by};
+}
+
+MeshShape grow(const MeshShape& shape, double by) {
+  // With vertices in the same place taken as one, so that the surface does not tear.
+  const MeshCollider mesh("mesh", shape);
+  std::vector<Vec3> normals(mesh.positions().size(), Vec3::Zero());
+  MeshShape grown;
+  for (const auto& triangle : mesh.mesh().triangles()) {
+    const Vec3& p = mesh.positions()[triangle[0]];
+    const Vec3 normal = (mesh.positions()[triangle[1]] - p).cross(mesh.positions()[triangle[2]] - p);
+    for (const Index v : triangle) normals[static_cast<std::size_t>(v)] += normal;
+    grown.triangles.push_back(triangle);
+  }
+  for (std::size_t v = 0; v < normals.size(); ++v)
+    grown.positions.push_back(mesh.positions()[v] + by * normals[v].normalized());
+  return grown;
+}
+
+std::vector<PreparedCollider> grow_all(std::span<const Collider> colliders, double by) {
+  std::vector<Collider> grown(colliders.begin(), colliders.end());
+  for (Collider& collider : grown)
+    std::visit([&](const auto& shape) { collider.shape = grow(shape, by); }, Collider(collider).shape);
+  return prepare_colliders(grown);
+}
+
+/// Of any length.
+Vec3 face_normal(const TriangleMesh& surface, std::span<const Vec3> positions, Index face) {
+  const auto& [a, b, c] = surface.triangles()[face];
+  return (positions[b] - positions[a]).cross(positions[c] - positions[a]);
+}
+
+PairFilters without_neighbours() {
+  PairFilters filters;
+  filters.neighbour_rings = 1;
+  return filters;
+}
+
+bool is_inner(double place) {
+  return place > 0 && place < 1;
+}
+
+}  // namespace
+
+TouchFinder::TouchFinder(const TetMesh& mesh, std::span<const Vec3> positions, std::span<const Collider> colliders)
+    : mesh_(mesh),
+      surface_(boundary_surface(mesh)),
+      distance_(touching_distance(surface_, positions)),
+      grown_(grow_all(colliders, distance_)),
+      near_(surface_, positions, distance_, without_neighbours()) {}
+
+void TouchFinder::add_collider_touches(std::span<const Vec3> positions, double time,
+                                       std::vector<Touch>& touches) const {
+  std::vector<RigidTransform> places;
+  for (const PreparedCollider& collider : grown_) places.push_back(collider.motion.at(time));
+  for (const Index v : mesh_.boundary_vertices()) {
+    for (std::size_t i = 0; i < grown_.size(); ++i) {
+      const Vec3 p = places[i].invert(positions[v]);
+      const auto hit = std::visit([&](const auto& shape) { return find_hit(shape, p); }, grown_[i].shape);
+      if (!hit) continue;
+      touches.push_back({MarkKind::kCollider, {v, v}, 0, places[i].rotation * hit->normal});
+      break;
+    }
+  }
+}
+
+void TouchFinder::add_body_touches(std::span<const Vec3> positions, std::vector<Touch>& touches) {
+  near_.update(positions);
+  const NearPairs pairs = near_.find_pairs();
+  for (std::size_t i = 0; i < pairs.vertex_face.size();) {
+    const Index vertex = pairs.vertex_face[i].vertex;
+    const NearVertexFace* nearest = &pairs.vertex_face[i];
+    for (; i < pairs.vertex_face.size() && pairs.vertex_face[i].vertex == vertex; ++i)
+      if (pairs.vertex_face[i].distance < nearest->distance) nearest = &pairs.vertex_face[i];
+    const Vec3 normal = face_normal(surface_, positions, nearest->face);
+    touches.push_back({MarkKind::kVertexFace, {vertex, vertex}, 0, normal.normalized()});
+  }
+  for (const NearEdges& pair : pairs.edge_edge) {
+    if (!is_inner(pair.place[0]) || !is_inner(pair.place[1])) continue;
+    const auto& first = surface_.edges()[pair.first];
+    const auto& second = surface_.edges()[pair.second];
+    Vec3 outward = Vec3::Zero();
+    for (const Index face : surface_.edge_triangles(pair.second)) outward += face_normal(surface_, positions, face);
+    Vec3 normal = (positions[first[1]] - positions[first[0]]).cross(positions[second[1]] - positions[second[0]]);
+    if (normal.dot(outward) < 0) normal = -normal;
+    if (!(normal.norm() > 0)) normal = outward;
+    touches.push_back({MarkKind::kEdgeEdge, {first[0], first[1]}, pair.place[0], normal.normalized()});
+  }
+}
+
+std::vector<Touch> TouchFinder::find(std::span<const Vec3> positions, double time) {
+  std::vector<Touch> touches;
+  add_collider_touches(positions, time, touches);
+  add_body_touches(positions, touches);
+  if (touches.size() > kMaxTouches) touches.resize(kMaxTouches);
+  return touches;
+}
+
+}  // namespace selvage
