@@ -125,7 +125,7 @@ Image draw_paths(const PathsDrawing& scene, const PictureOptions& options) {
   }
   draw_strokes(image, outline, ink_colour(), 0.85f);
   draw_path_lines(image, scene, camera, scale);
-  if (deepest > 0) draw_scale(image, deepest);
+  if (deepest > 0) draw_scale(image, deepest, "depth [m]", depth_colour);
   draw_caption(image, scene.caption);
   return image;
 }

@@ -18,6 +18,7 @@ constexpr double kSmallestStep = 0.009;  // of the scene's radius: the smallest 
 constexpr double kMargin = 0.04;         // of the picture, around what is seen
 constexpr int kExtremes = 60;            // directions in which a frame's outermost points are kept
 constexpr double kFarCollider = 1.6;     // of the room's size: colliders that reach farther need not be seen whole
+constexpr double kLegend = 0.27;         // of the picture's height, on the right
 constexpr float kLineRadius = 0.55f;     // pixels, in a picture 800 pixels high
 
 std::vector<Vec3> spread_directions() {
@@ -53,6 +54,13 @@ std::vector<char> find_closed(const DrawnScene& scene, Index body_count) {
     if (sum != 0) closed[static_cast<std::size_t>(scene.bodies[sides[first].low])] = 0;
   }
   return closed;
+}
+
+/// The highest of the numbers at a triangle's corners.
+Index corner_name(const VertexTuple<3>& t, std::span<const double> values) {
+  double highest = 0;
+  for (const Index v : t) highest = std::max(highest, values[static_cast<std::size_t>(v)]);
+  return static_cast<Index>(highest);
 }
 
 }  // namespace
@@ -127,7 +135,8 @@ void ScenePictures::lower_ground_below_colliders() {
   }
 }
 
-void ScenePictures::place_camera() {
+/// What must be seen: bodies in all frames, and colliders nearby.
+std::vector<Vec3> ScenePictures::seen_points() const {
   std::vector<Vec3> points = seen_;
   for (const double time : times_)
     for (std::size_t i = 0; i < scene_.colliders.size(); ++i) {
@@ -138,6 +147,10 @@ void ScenePictures::place_camera() {
       });
       if (near && !part.free_side) points.insert(points.end(), part.positions.begin(), part.positions.end());
     }
+  return points;
+}
+
+View ScenePictures::base_view() const {
   View view = view_.view;
   view.up = room_.up;
   if (!view.towards && !view.eye) {
@@ -145,12 +158,42 @@ void ScenePictures::place_camera() {
                                                   : Vec3(Vec3::UnitY() - room_.up[1] * room_.up).normalized();
     view.towards = 0.5 * east - room_.up.cross(east) + 0.5 * room_.up;
   }
+  return view;
+}
+
+void ScenePictures::place_ground() {
+  if (ground_ || !scene_.ground) return;
+  ground_ = find_ground(scene_.colliders, room_);
+  if (ground_ && !ground_->plane && !ground_->walled) lower_ground_below_colliders();
+}
+
+void ScenePictures::look(const View& view) {
+  place_ground();
   const double width = view_.width, height = view_.height;
-  const Frame frame = view.eye
-                          ? Frame{0, 0, width, height}
-                          : Frame{kMargin * width, kMargin * height, (1 - kMargin) * width, (1 - kMargin) * height};
-  camera_.emplace(points, view, frame);
-  lamps_ = default_lamps(*camera_, room_.up);
+  const double right = view_.scale != nullptr ? width - kLegend * height : (1 - kMargin) * width;
+  const Frame frame =
+      view.eye ? Frame{0, 0, width, height}
+               : Frame{kMargin * width, kMargin * height, std::max(right, 0.5 * width), (1 - kMargin) * height};
+  const bool is_first = !camera_;
+  camera_.emplace(seen_points(), view, frame);
+  if (is_first) lamps_ = default_lamps(*camera_, room_.up);
+}
+
+View ScenePictures::turned_view(double angle) {
+  place_ground();
+  View view = base_view();
+  const Vec3 centre = room_.middle();
+  if (!view.eye) {
+    double radius = 0;
+    for (const Vec3& p : seen_points()) radius = std::max(radius, (p - centre).norm());
+    const double across = std::min(1.0, static_cast<double>(view_.width) / view_.height);
+    view.eye = centre + view.towards->normalized() * radius / (std::sin(view.angle * M_PI / 360) * across);
+    view.target = centre;
+  }
+  const Eigen::AngleAxisd turn(angle, room_.up);
+  view.eye = centre + turn * (*view.eye - centre);
+  view.target = centre + turn * (view.target.value_or(centre) - centre);
+  return view;
 }
 
 void ScenePictures::add_colliders(double time, PictureContent& content) const {
@@ -174,11 +217,21 @@ void ScenePictures::add_colliders(double time, PictureContent& content) const {
 }
 
 void ScenePictures::add_bodies(std::span<const Vec3> positions, const std::optional<CutPlane>& cut,
-                               PictureContent& content) const {
+                               std::span<const double> values, PictureContent& content) const {
   const Frame frame{0, 0, static_cast<double>(view_.width), static_cast<double>(view_.height)};
+  const bool has_names = view_.scale != nullptr && !view_.scale->names.empty();
+  const auto first_name = static_cast<Index>(content.colours.size());
   std::vector<Index> parts;
-  for (const auto& t : scene_.surface) parts.push_back(scene_.bodies[t[0]]);
+  for (const auto& t : scene_.surface)
+    parts.push_back(has_names ? first_name + corner_name(t, values) : scene_.bodies[t[0]]);
+  std::vector<double> shares;
+  if (view_.scale != nullptr && !has_names)
+    for (const double value : values) shares.push_back(std::clamp(value / view_.scale->top, 0.0, 1.0));
+  if (has_names)
+    for (std::size_t i = 0; i < view_.scale->names.size(); ++i)
+      content.colours.push_back(contact_colour(static_cast<Index>(i)));
   PlacedSurface surface{positions, scene_.surface};
+  surface.vertex_value = shares;
   surface.parts = parts;
   surface.windings = windings_;
   surface.cut = cut ? &*cut : nullptr;
@@ -194,13 +247,20 @@ void ScenePictures::add_bodies(std::span<const Vec3> positions, const std::optio
   for (ScreenVertex& vertex : content.inner.vertices) vertex.value = -1;
 }
 
-Image ScenePictures::draw(std::span<const Vec3> positions, double time) {
-  if (!camera_) {
-    if (times_.empty()) add_frame(positions, time);
-    if (scene_.ground) ground_ = find_ground(scene_.colliders, room_);
-    if (ground_ && !ground_->plane && !ground_->walled) lower_ground_below_colliders();
-    place_camera();
+void ScenePictures::draw_legend(Image& image) const {
+  const ColourScale& scale = *view_.scale;
+  if (scale.names.empty()) {
+    draw_scale(image, scale.top, scale.title, value_colour);
+    return;
   }
+  std::vector<Rgb> colours;
+  for (std::size_t i = 0; i < scale.names.size(); ++i) colours.push_back(contact_colour(static_cast<Index>(i)));
+  draw_names(image, scale.names, colours);
+}
+
+Image ScenePictures::draw(std::span<const Vec3> positions, double time, std::span<const double> values) {
+  if (times_.empty()) add_frame(positions, time);
+  if (!camera_) look(base_view());
   PictureContent content{view_.width, view_.height, view_.samples, {}, {}};
   content.camera = camera_;
   content.lamps = lamps_;
@@ -216,7 +276,11 @@ Image ScenePictures::draw(std::span<const Vec3> positions, double time) {
     content.body_count = body_count_;
     for (Index body = 0; body < body_count_; ++body) content.colours.push_back(cap_colour(body));
   }
-  add_bodies(positions, content.cut, content);
+  if (view_.scale != nullptr && view_.scale->names.empty()) {
+    content.valued_parts = body_count_;
+    content.grey_at_zero = view_.scale->grey_at_zero;
+  }
+  add_bodies(positions, content.cut, values, content);
   const auto colliders = content.colours.size();
   add_colliders(time, content);
   content.colours.resize(colliders);
@@ -225,7 +289,9 @@ Image ScenePictures::draw(std::span<const Vec3> positions, double time) {
     const Vec3 point = ground_->height * room_.up;
     if (room_.up.dot(camera_->eye() - point) > 0) content.ground = GroundPlane{point, room_.up};
   }
-  return compose(content);
+  Image image = compose(content);
+  if (view_.scale != nullptr) draw_legend(image);
+  return image;
 }
 
 }  // namespace selvage

@@ -2,6 +2,7 @@
 
 #include "picture/composing/collider_parts.h"
 #include "picture/composing/composition.h"
+#include "picture/legend.h"
 
 #include <string>
 
@@ -19,6 +20,8 @@ struct SceneView {
   View view{};                     ///< a camera without direction or eye looks from a corner, a little from above
   std::optional<AxisCut> cut{};    ///< bodies are cut open; the half that is nearer to the eye is left out
   bool edges = false;              ///< draw the triangles' edges
+  /// Colour bodies by values; a legend stands on the right. Must outlive the pictures; null: by body.
+  const ColourScale* scale = nullptr;
 };
 
 /// What a picture shows besides the positions, which change from frame to frame.
@@ -46,14 +49,27 @@ class ScenePictures {
   void add_frame(std::span<const Vec3> positions, double time);
 
   /// Draws a frame.
-  /// @param time  [s] of the frame, at which colliders are drawn
-  Image draw(std::span<const Vec3> positions, double time);
+  /// @param time    [s] of the frame, at which colliders are drawn
+  /// @param values  with a scale, of each vertex
+  Image draw(std::span<const Vec3> positions, double time, std::span<const double> values = {});
+
+  /// Looks from elsewhere from now on; the light stays. After add_frame().
+  void look(const View& view);
+
+  /// The view that add_frame() leads to, turned about the vertical through the middle of all frames; the eye keeps its
+  /// distance, so far that all is seen from all sides.
+  /// @param angle  [rad]
+  View turned_view(double angle);
 
  private:
-  void place_camera();
+  std::vector<Vec3> seen_points() const;
+  View base_view() const;
+  void place_ground();
   void lower_ground_below_colliders();
   void add_colliders(double time, PictureContent& content) const;
-  void add_bodies(std::span<const Vec3> positions, const std::optional<CutPlane>& cut, PictureContent& content) const;
+  void add_bodies(std::span<const Vec3> positions, const std::optional<CutPlane>& cut, std::span<const double> values,
+                  PictureContent& content) const;
+  void draw_legend(Image& image) const;
 
   const DrawnScene& scene_;
   SceneView view_;

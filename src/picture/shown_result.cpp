@@ -51,7 +51,7 @@ ShownResult show_poses(std::vector<Vec3> positions, std::vector<VertexTuple<3>> 
 ShownResult show_run(const std::filesystem::path& folder) {
   const auto run = std::make_shared<const StoredRun>(folder);
   ShownResult shown;
-  shown.is_run = true;
+  shown.run = run;
   shown.scene.vertex_count = static_cast<std::size_t>(run->topology.header.vertices);
   shown.scene.surface = run->topology.boundary_faces;
   shown.scene.bodies = run->topology.vertex_bodies;

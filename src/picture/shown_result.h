@@ -2,9 +2,11 @@
 
 #include "picture/paths_picture.h"
 #include "picture/scene_picture.h"
+#include "scene/reading/stored_run.h"
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 
 namespace selvage {
@@ -15,7 +17,7 @@ struct ShownResult {
   std::int64_t last_frame = 0;  ///< poses are numbered from 0
   double frames_per_second = 30;
   std::vector<std::int64_t> usual_frames{};  ///< of a still picture, unless others are asked for
-  bool is_run = false;
+  std::shared_ptr<const StoredRun> run{};    ///< null: no run
   std::function<std::vector<Vec3>(std::int64_t frame)> read_positions{};
   std::function<double(std::int64_t frame)> time{};  ///< [s]
   std::optional<Vec3> towards{};                     ///< direction to the eye that suits it; none: the usual one

@@ -67,6 +67,55 @@ TEST_F(Render, DrawsRunsMeshesAndResults) {
   EXPECT_EQ(size_of(file("e.png")), (std::array<int, 2>{192, 64})) << "before and after";
 }
 
+TEST_F(Render, ColoursRunsByValuesAndMovesTheCamera) {
+  write_text(file("blocks.json"), kDrawnScene);
+  run_well("simulate blocks.json -o run -q --no-report");
+  run_well("render run -o body.png --size 160 120 -q");
+  for (const std::string by : {"depth", "speed", "strain", "contact"}) {
+    run_well("render run -o " + by + ".png --size 160 120 --colour " + by + " -q");
+    EXPECT_NE(read_text(file(by + ".png")), read_text(file("body.png"))) << by;
+  }
+  EXPECT_NE(read_text(file("speed.png")), read_text(file("strain.png")));
+  // The camera turns: from picture to picture of the same frame.
+  run_well("render run -o still.png --size 80 66 --frames 3,3 -q");
+  run_well("render run -o turned.png --size 80 66 --frames 3,3 --orbit 90 -q");
+  EXPECT_EQ(size_of(file("turned.png")), (std::array<int, 2>{160, 66}));
+  EXPECT_NE(read_text(file("still.png")), read_text(file("turned.png")));
+  // A file of cameras says the same as its first line in the first frame.
+  write_text(file("way.csv"), "frame,x,y,z,x,y,z\n\n# from the right\n0, 5,0,1, 0,0,0.5\n3, 0,-5,1, 0,0,0.5, 40\n");
+  run_well("render run -o way.png --size 80 66 --frames 0 --camera way.csv -q");
+  run_well("render run -o fixed.png --size 80 66 --frames 0 --camera 5,0,1,0,0,0.5 -q");
+  EXPECT_EQ(read_text(file("way.png")), read_text(file("fixed.png")));
+  // A mesh has one pose, but turns.
+  write_encoder(file("tools"), "for last; do :; done\nexec /bin/cat > \"$last\"\n");
+  run_well("make ball -o ball.vtu -q");
+  const SearchPath path(file("tools"));
+  run_well("render ball.vtu -o ball.mp4 --orbit 360 --size 64 64 -q");
+  EXPECT_EQ(fs::file_size(file("ball.mp4")), 120u * 3 * 64 * 64);
+}
+
+TEST_F(Render, RefusesCamerasAndColoursThatMeanNothing) {
+  write_text(file("blocks.json"), kDrawnScene);
+  run_well("simulate blocks.json -o run -q --no-report");
+  run_well("make ball -o ball.vtu -q");
+  expect_refused("render run -o a.png --colour red", 2, {"--colour", "red"});
+  expect_refused("render ball.vtu -o a.png --colour speed", 2, {"--colour", "ball.vtu", "folder of a run"});
+  expect_refused("render run -o a.png --orbit 90 --fit-each", 2, {"--fit-each"});
+  expect_refused("render run -o a.png --camera none.csv", 2, {"none.csv"});
+  const auto refused = [&](const std::string& text, const std::vector<std::string>& words) {
+    write_text(file("way.csv"), text);
+    expect_refused("render run -o a.png --camera way.csv", 2, words);
+  };
+  refused("", {"way.csv", "no line with a camera"});
+  refused("0,1,2,3,0,0,0\n0,1,2,3,0,0,0\n", {"way.csv, line 2", "does not come after 0"});
+  refused("0,1,2,3\n", {"way.csv, line 1", "no eye and target"});
+  refused("0,1,2,3,0,0,0\nx,1,2,3,0,0,0\n", {"way.csv, line 2", "no number of a frame"});
+  fs::remove(file("run/rest.bin"));
+  expect_refused("render run -o a.png --colour strain", 2, {"rest.bin", "missing"});
+  expect_refused("render ball.vtu -o a.mp4", 2, {"one pose", "--orbit 360"});
+  EXPECT_FALSE(fs::exists(file("a.png")));
+}
+
 TEST_F(Render, ThePictureOfPathsIsTheOneThatPathsDraws) {
   run_well("make rod --length 8 --radius 0.2 --pose self-crossing -o rod.vtu -q");
   run_well("paths rod.vtu --json paths.json --picture a.png --picture-size 200 150 -q");

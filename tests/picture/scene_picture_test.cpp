@@ -1,12 +1,15 @@
 #include "picture/scene_picture.h"
+#include "picture/camera_path.h"
 #include "picture/composing/palette.h"
 #include "picture/drawing/covered_samples.h"
+#include "picture/vertex_values.h"
 #include "selvage/core/error.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 namespace selvage {
@@ -128,6 +131,86 @@ TEST(ScenePicture, ShadowsFallOnTheGroundOnlyWhereThereIsOne) {
   scene.colliders.clear();
   scene.ground = false;
   EXPECT_EQ(shaded(), 0);
+}
+
+TEST(ScenePicture, ColoursByValuesWithALegend) {
+  std::vector<Vec3> x;
+  DrawnScene scene;
+  scene.ground = false;
+  add_box(x, scene, {0, 0, 0}, {1, 1, 1}, 0);
+  add_box(x, scene, {2, 0, 0}, {3, 1, 1}, 1);
+  std::vector<double> values(8, 0);
+  values.resize(16, 4);
+  ColourScale scale{4, "speed [m/s]", false, {}};
+  SceneView view = small_view();
+  view.scale = &scale;
+  const Image image = ScenePictures(scene, view).draw(x, 0, values);
+  EXPECT_GT(count_pixels(image, value_colour(0)), 500);
+  EXPECT_GT(count_pixels(image, value_colour(1)), 500);
+  EXPECT_EQ(count_pixels(image, body_colour(1)), 0);
+  // The bar of the legend, from dark to light.
+  EXPECT_LT(lightness(image.at(143, 88)), 0.35f);
+  EXPECT_GT(lightness(image.at(143, 31)), 0.85f);
+  // 0 may mean that there is no value.
+  scale.grey_at_zero = true;
+  EXPECT_LT(count_pixels(ScenePictures(scene, view).draw(x, 0, values), value_colour(0)), 200);
+  // Or values are numbers of names.
+  const std::vector<double> kinds{0, 0, 0, 0, 0, 0, 0, 0, 6, 6, 6, 6, 6, 6, 6, 6};
+  ColourScale names{1, "", false, {"free", "", "", "", "", "", "vertex and face"}};
+  view.scale = &names;
+  EXPECT_GT(count_pixels(ScenePictures(scene, view).draw(x, 0, kinds), contact_colour(6)), 500);
+}
+
+TEST(ScenePicture, TurnsAboutTheVertical) {
+  std::vector<Vec3> x;
+  DrawnScene scene;
+  add_box(x, scene, {0, 0, 0}, {3, 1, 1}, 0);
+  ScenePictures pictures(scene, small_view());
+  pictures.add_frame(x, 0);
+  const View first = pictures.turned_view(0), quarter = pictures.turned_view(std::numbers::pi / 2);
+  const Vec3 middle(1.5, 0.5, 0.5);
+  EXPECT_NEAR((*first.target - middle).norm(), 0, 1e-12);
+  const Vec3 a = *first.eye - middle, b = *quarter.eye - middle;
+  EXPECT_NEAR((Vec3(-a[1], a[0], a[2]) - b).norm(), 0, 1e-9);
+  // All is seen from all sides: the outermost pixels stay white but for the floor's shadow.
+  for (const double angle : {0.0, 1.0, 2.0, 4.0}) {
+    pictures.look(pictures.turned_view(angle));
+    const Image image = pictures.draw(x, 0);
+    EXPECT_GT(count_pixels(image, body_colour(0)), 500);
+    for (int i = 0; i < image.width(); ++i) EXPECT_TRUE(is_white(image.at(i, 0)));
+  }
+}
+
+TEST(CameraPath, IsStraightBetweenKeysAndRestsOutside) {
+  std::vector<CameraKey> keys(2);
+  keys[0] = {10, {}};
+  keys[0].view.eye = Vec3(0, 0, 0);
+  keys[0].view.target = Vec3(1, 0, 0);
+  keys[0].view.angle = 30;
+  keys[1] = {20, {}};
+  keys[1].view.eye = Vec3(0, 4, 0);
+  keys[1].view.target = Vec3(1, 0, 2);
+  keys[1].view.angle = 50;
+  EXPECT_EQ(*view_at(keys, 5).eye, Vec3(0, 0, 0));
+  EXPECT_EQ(*view_at(keys, 12.5).eye, Vec3(0, 1, 0));
+  EXPECT_EQ(*view_at(keys, 15).target, Vec3(1, 0, 1));
+  EXPECT_EQ(view_at(keys, 15).angle, 40);
+  EXPECT_EQ(*view_at(keys, 20).eye, Vec3(0, 4, 0));
+  EXPECT_EQ(*view_at(keys, 99).eye, Vec3(0, 4, 0));
+}
+
+TEST(VertexValues, StrainIsThatOfTheDirectionThatIsStrainedMost) {
+  const std::vector<Vec3> rest{{0, 0, 0}, {1, 0, 0}, {0.3, 1, 0}, {9, 9, 9}};
+  const std::vector<VertexTuple<3>> triangle{{0, 1, 2}};
+  // Twice as long in x, half in y, then turned.
+  const std::vector<Vec3> now{{5, 0, 0}, {5, 0, -2}, {5, 0.5, -0.6}, {0, 0, 0}};
+  const auto strains = vertex_strains(rest, now, triangle);
+  for (int v = 0; v < 3; ++v) EXPECT_NEAR(strains[static_cast<std::size_t>(v)], 1, 1e-12);
+  EXPECT_EQ(strains[3], 0);
+  std::vector<Vec3> small = rest;
+  for (Vec3& p : small) p *= 0.25;
+  EXPECT_NEAR(vertex_strains(rest, small, triangle)[0], 0.75, 1e-12);
+  EXPECT_EQ(vertex_strains(std::vector<Vec3>(4, Vec3::Zero()), now, triangle)[0], 0) << "no area at rest";
 }
 
 TEST(ScenePicture, CutShowsCapsAndMarksOverlaps) {

@@ -188,6 +188,16 @@ describe("the page of a run", () => {
     for (let i = 0; i < 3; ++i) await page.keyboard.press("m");
   });
 
+  it("knows speeds of a pose that stands still, and after a change of colours", async () => {
+    await page.locator("#scrub").fill("12");
+    await until("frame", "12");
+    while ((await state()).colour !== "speed") await page.keyboard.press("m");
+    const bright = (shot: number[]) => shot.filter((c, i) => i % 4 === 0 && c > 150 && shot[i + 2] < 0.7 * c).length;
+    expect(bright(await pixels())).toBeGreaterThan(50);
+    await page.keyboard.press("m");
+    await page.keyboard.press("m");
+  });
+
   it("colours by all that it knows", async () => {
     await page.keyboard.press("Home");
     await until("frame", "0");

@@ -85,6 +85,8 @@ function fromZero(_: uPlot, __: number, most: number): [number, number] {
 /// Charts under the picture, with a line at the pose that is shown; a click goes there.
 export class Charts {
   private plots: uPlot[] = [];
+  private lines: HTMLElement[] = []; // at the pose that is shown
+  private timer?: number;
   private pose = 0;
 
   constructor(
@@ -99,6 +101,7 @@ export class Charts {
 
   build(): void {
     for (const plot of this.plots) plot.destroy();
+    this.lines = [];
     this.parent.replaceChildren();
     this.plots = chartsOf(this.head).map((chart) => this.plot(chart));
     this.showPose(this.pose);
@@ -110,6 +113,7 @@ export class Charts {
 
   private resize(): void {
     for (const plot of this.plots) plot.setSize({ width: this.width(), height: 120 });
+    this.showPose(this.pose);
   }
 
   private plot(chart: Chart): uPlot {
@@ -148,32 +152,27 @@ export class Charts {
         { stroke: ink, grid: faint, ticks: faint, size: 36, font: "10px sans-serif", space: 24, values: shortTicks },
       ],
       series: [{ label: "frame" }, ...series],
-      hooks: { draw: [(plot) => this.drawLine(plot, ink)] },
     };
     const plot = new uPlot(options, [this.head.frames!, ...values] as uPlot.AlignedData, this.parent);
+    const line = document.createElement("div");
+    line.className = "now";
+    plot.over.append(line);
+    this.lines.push(line);
     plot.over.addEventListener("click", () => {
       if (plot.cursor.idx !== null && plot.cursor.idx !== undefined) this.goTo(plot.cursor.idx);
     });
     return plot;
   }
 
-  private drawLine(plot: uPlot, ink: string): void {
-    const x = plot.valToPos(this.head.frames![this.pose], "x", true);
-    plot.ctx.save();
-    plot.ctx.strokeStyle = ink;
-    plot.ctx.lineWidth = Math.max(1, window.devicePixelRatio);
-    plot.ctx.beginPath();
-    plot.ctx.moveTo(x, plot.bbox.top);
-    plot.ctx.lineTo(x, plot.bbox.top + plot.bbox.height);
-    plot.ctx.stroke();
-    plot.ctx.restore();
-  }
-
+  /// The lines move with every pose; the numbers below, which cost more to lay out than the picture, a few times a second.
   showPose(pose: number): void {
     this.pose = pose;
-    for (const plot of this.plots) {
-      plot.redraw(false, false);
-      plot.setLegend({ idx: pose }, false);
-    }
+    this.plots.forEach((plot, i) => {
+      this.lines[i].style.transform = `translateX(${plot.valToPos(this.head.frames![pose], "x")}px)`;
+    });
+    this.timer ??= window.setTimeout(() => {
+      this.timer = undefined;
+      for (const plot of this.plots) plot.setLegend({ idx: this.pose }, false);
+    }, 150);
   }
 }

@@ -205,7 +205,8 @@ class Viewer {
     let down: [number, number] = [0, 0];
     canvas.addEventListener("pointerdown", (event) => (down = [event.offsetX, event.offsetY]));
     canvas.addEventListener("pointerup", (event) => {
-      if (Math.hypot(event.offsetX - down[0], event.offsetY - down[1]) > 4 || event.button !== 0) return;
+      const still = event.pointerType === "mouse" ? 4 : 12; // fingers tremble
+      if (Math.hypot(event.offsetX - down[0], event.offsetY - down[1]) > still || event.button !== 0 || !event.isPrimary) return;
       this.picked = this.stage.pick(event.offsetX, event.offsetY);
       this.showPick();
     });
@@ -288,10 +289,11 @@ class Viewer {
     const first = await this.poses.positions(pose);
     const positions = place > pose ? blend(first, await this.poses.positions(pose + 1), place - pose) : first;
     const neighbour = pose > 0 ? pose - 1 : Math.min(1, this.poses.count - 1);
-    const moves = this.head.kind === "run" && (this.options.colour === "speed" || this.picked >= 0);
+    const isNext = neighbour === this.place && this.shown.positions.length > 0;
+    const before = isNext ? this.shown.positions : await this.poses.positions(neighbour);
     this.shown = {
       positions,
-      before: moves ? await this.poses.positions(neighbour) : null,
+      before: this.head.kind === "run" ? before : null,
       seconds: Math.abs(times[pose] - times[neighbour]),
       // Marks are those of a pose itself: between two there are none.
       marks: place > pose ? noMarks : await this.poses.marksOf(pose),
@@ -326,6 +328,8 @@ function describeHead(head: Head): void {
     return line;
   });
   element("warnings").replaceChildren(...lines);
+  const poses = head.times.length > 1 ? `, ${head.times.length} poses` : "";
+  element("picture").setAttribute("aria-label", `Picture of ${head.title}: ${head.triangles} triangles${poses}. Press h for keys, i for numbers.`);
   fillDetails(element("details"), head);
 }
 

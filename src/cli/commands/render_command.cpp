@@ -1,9 +1,11 @@
+#include "cli/arguments/camera_file.h"
 #include "cli/arguments/picture_options.h"
 #include "cli/program/command.h"
 #include "cli/program/console.h"
 #include "cli/program/json_text.h"
 #include "cli/program/output.h"
 #include "picture/shown_result.h"
+#include "picture/vertex_values.h"
 #include "picture/video.h"
 #include "selvage/core/error.h"
 #include "selvage/scene/frames.h"
@@ -11,6 +13,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <memory>
 
 namespace selvage::cli {
@@ -24,18 +27,21 @@ constexpr int kMaxWidth = 32768;        // of such a picture [pixels]
 
 struct RenderOptions {
   CommonOptions common;
-  std::string result, output, after, camera, cut, frames;
+  std::string result, output, after, camera, cut, frames, colour{"body"};
+  double orbit = 0;
   std::vector<int> size{1200, 800};
   double rate = 0;
   bool edges = false, fit_each = false;
 };
+
+constexpr std::int64_t kTurntable = 120;  // images of a video of one pose
 
 constexpr const char* kRenderExample =
     "  selvage simulate scenes/octopi_8_hybrid.json -o octopi\n"
     "  selvage render octopi -o octopi.png\n"
     "  selvage render octopi -o course.png --frames 0,60,last --size 480 360\n"
     "  selvage render octopi -o inside.png --cut y:0 --camera front\n"
-    "  selvage render octopi -o octopi.mp4 --camera 0.5,-1,0.4\n"
+    "  selvage render octopi -o octopi.mp4 --orbit 360 --colour speed\n"
     "  selvage render bunny.obj -o bunny.png\n"
     "\n"
     "RESULT is the folder of a run, a mesh, or what check, paths or resolve wrote with --json. Needs no display. "
@@ -51,13 +57,21 @@ ShownResult show(const RenderOptions& options) {
   return is_report ? show_result(result, options.after) : show_mesh(result);
 }
 
+bool is_camera_file(const RenderOptions& options) {
+  return fs::path(options.camera).extension() == ".csv";
+}
+
 /// Files that the picture must not replace.
 std::vector<fs::path> inputs_of(const RenderOptions& options) {
   const fs::path result = options.result;
-  if (fs::is_directory(result))
-    return {topology_path(result), rest_path(result), scene_path(result), checkpoint_path(result)};
-  std::vector<fs::path> inputs = result.extension() == ".json" ? std::vector{result} : files_of_mesh(result);
+  std::vector<fs::path> inputs;
+  if (fs::is_directory(result)) {
+    inputs = {topology_path(result), rest_path(result), scene_path(result), checkpoint_path(result)};
+  } else {
+    inputs = result.extension() == ".json" ? std::vector{result} : files_of_mesh(result);
+  }
   if (!options.after.empty()) inputs.emplace_back(options.after);
+  if (is_camera_file(options)) inputs.emplace_back(options.camera);
   return inputs;
 }
 
@@ -68,23 +82,37 @@ bool is_video(const RenderOptions& options) {
   throw Error(options.output, "is no file that render writes", "name a .png, .mp4 or .gif");
 }
 
-/// Draws frames of what is shown.
+/// Draws frames of what is shown, one after the other.
 class Renderer {
  public:
-  Renderer(const ShownResult& shown, const RenderOptions& options) : shown_(shown), fit_each_(options.fit_each) {
+  Renderer(const ShownResult& shown, const RenderOptions& options)
+      : shown_(shown), fit_each_(options.fit_each), orbit_(options.orbit * M_PI / 180) {
     view_.width = options.size[0];
     view_.height = options.size[1];
     view_.edges = options.edges;
     view_.view.towards = shown.towards;
-    if (!options.camera.empty()) view_.view = read_camera(options.camera, shown.scene.up);
+    if (is_camera_file(options)) {
+      path_ = read_camera_file(options.camera, shown.scene.up);
+    } else if (!options.camera.empty()) {
+      view_.view = read_camera(options.camera, shown.scene.up);
+    }
     if (!options.cut.empty()) view_.cut = read_cut(options.cut);
-    if (shown.paths && (view_.cut || view_.view.eye))
-      throw Error(view_.cut ? "--cut" : "--camera", "has no meaning for paths, which are seen through the surface",
+    const bool moves = orbit_ != 0 || !path_.empty();
+    if (shown.paths && (view_.cut || view_.view.eye || moves))
+      throw Error(view_.cut     ? "--cut"
+                  : orbit_ != 0 ? "--orbit"
+                                : "--camera",
+                  "has no meaning for paths, which are seen through the surface",
                   "name a side or a direction as --camera, and render the mesh to cut it open");
+    if (moves && (fit_each_ || (orbit_ != 0 && !path_.empty())))
+      throw Error(fit_each_ ? "--fit-each" : "--orbit", "has no meaning with a camera that moves otherwise",
+                  "leave one of them out");
+    choose_colours(options);
     if (!shown.paths) pictures_.emplace(shown.scene, view_);
   }
 
   void prepare(std::span<const std::int64_t> frames) {
+    images_ = frames.size();
     if (!pictures_ || fit_each_) return;
     for (const std::int64_t frame : frames) pictures_->add_frame(shown_.read_positions(frame), shown_.time(frame));
   }
@@ -92,7 +120,12 @@ class Renderer {
   Image draw(std::int64_t frame) {
     const std::vector<Vec3> positions = shown_.read_positions(frame);
     if (fit_each_ && pictures_) pictures_.emplace(shown_.scene, view_);
-    if (pictures_) return pictures_->draw(positions, shown_.time(frame));
+    if (pictures_) {
+      const double share = static_cast<double>(drawn_++) / static_cast<double>(images_);
+      if (orbit_ != 0) pictures_->look(pictures_->turned_view(orbit_ * share));
+      if (!path_.empty()) pictures_->look(view_at(path_, static_cast<double>(frame)));
+      return pictures_->draw(positions, shown_.time(frame), values_ ? values_->at(frame) : std::vector<double>());
+    }
     PictureOptions picture;
     picture.width = view_.width;
     picture.height = view_.height;
@@ -101,14 +134,29 @@ class Renderer {
   }
 
  private:
+  void choose_colours(const RenderOptions& options) {
+    const auto names = colour_names();
+    const auto by = static_cast<ColourBy>(std::ranges::find(names, options.colour) - names.begin());
+    if (by == ColourBy::kBody) return;
+    if (!shown_.run)
+      throw Error("--colour", fmt::format("has no meaning for {}", options.result), "it is for the folder of a run");
+    values_.emplace(shown_.run, by);
+    view_.scale = &values_->scale();
+  }
+
   const ShownResult& shown_;
   bool fit_each_;
+  double orbit_;
+  std::vector<CameraKey> path_;
   SceneView view_;
+  std::optional<VertexValues> values_;
   std::optional<ScenePictures> pictures_;
+  std::size_t images_ = 1, drawn_ = 0;
 };
 
 std::vector<std::int64_t> choose_frames(const RenderOptions& options, const ShownResult& shown, bool video) {
   if (!options.frames.empty()) return read_frames(options.frames, shown.last_frame);
+  if (video && shown.last_frame == 0) return std::vector<std::int64_t>(kTurntable, 0);
   return video ? read_frames(":", shown.last_frame) : shown.usual_frames;
 }
 
@@ -159,8 +207,8 @@ void run_render(const RenderOptions& options) {
   outputs.expect(options.common.json, inputs);
   const fs::path encoder = video ? find_video_encoder() : fs::path();
   const ShownResult shown = show(options);
-  if (video && shown.last_frame == 0)
-    throw Error(options.result, "has one pose, of which there is no video", "write a .png");
+  if (video && shown.last_frame == 0 && options.orbit == 0)
+    throw Error(options.result, "has one pose, of which there is no video", "write a .png, or turn it: --orbit 360");
   std::vector<std::int64_t> frames = choose_frames(options, shown, video);
   const double rate = video ? choose_rate(options, shown, frames) : 0;
   Renderer renderer(shown, options);
@@ -207,8 +255,18 @@ Command add_render(CLI::App& app) {
       ->type_name("LIST");
   sub->add_option("--camera", options->camera,
                   "corner, front, back, left, right, top or bottom; X,Y,Z: direction to the eye; X,Y,Z,X,Y,Z: the eye "
-                  "and what it looks at, and in a seventh number the angle of view [degrees] (corner)")
+                  "and what it looks at, and in a seventh number the angle of view [degrees]; or a .csv of such "
+                  "cameras, each after a frame, between which it moves (corner)")
       ->type_name("CAMERA");
+  sub->add_option("--orbit", options->orbit,
+                  "Turn about the vertical by so much in the course of the pictures, from --camera on [degrees]")
+      ->check(CLI::Range(-36000.0, 36000.0))
+      ->type_name("DEGREES");
+  std::vector<std::string> colours(colour_names().begin(), colour_names().end());
+  sub->add_option("--colour", options->colour,
+                  "Of a run, colour by body, depth inside, speed, strain or contact, with a legend (body)")
+      ->check(CLI::IsMember(colours))
+      ->type_name("VALUE");
   sub->add_flag("--fit-each", options->fit_each, "Fit the camera to each frame by itself, not to all that are drawn");
   sub->add_option("--cut", options->cut, "Cut bodies open across an axis, as y:0.5; the nearer half is left out")
       ->type_name("AXIS:PLACE");

@@ -1,6 +1,7 @@
 #include "picture/composing/composition.h"
 
 #include "core/parallel.h"
+#include "picture/composing/palette.h"
 #include "picture/drawing/shading.h"
 
 #include <algorithm>
@@ -194,7 +195,7 @@ class Composer {
     if (!body.covers(x, y)) return Rgb::Ones();
     const std::size_t i = body.index(x, y);
     if (content_.planar) return body_.wire(body, i, cover_colour(body.count[i]));
-    const Rgb colour = body_.colour(body, base_colour(body.part[i]), x, y);
+    const Rgb colour = body_.colour(body, base_colour(body.part[i], body.value[i]), x, y);
     if (!inner.covers(x, y)) return colour;
     const std::size_t j = inner.index(x, y);
     const bool hidden = inner.distance[j] > body.distance[i] + 0.01f * content_.feature;
@@ -202,9 +203,11 @@ class Composer {
     return mix(colour, inner_.colour(inner, marked, x, y), hidden ? kThroughBody : 1.f);
   }
 
-  Rgb base_colour(Index part) const {
+  Rgb base_colour(Index part, float value) const {
     static const Rgb skin = from_oklab(0.88f, -0.012f, -0.022f);
     if (part == kOverlapPart) return mark_colour();
+    if (part >= 0 && part < content_.valued_parts)
+      return content_.grey_at_zero && !(value > 0) ? contact_colour(0) : value_colour(value);
     return part < 0 || content_.colours.empty() ? skin : content_.colours[static_cast<std::size_t>(part)];
   }
 

@@ -36,6 +36,8 @@ struct PictureContent {
   ScreenSurface glass{};            ///< that of which only a tint is seen, over all that is behind it
   std::vector<ScreenLine> lines{};  ///< edges of colliders
   std::vector<Rgb> colours{};       ///< of the body's parts; empty: one colour
+  Index valued_parts = 0;           ///< the first of them are coloured by the value of each sample, from 0 to 1
+  bool grey_at_zero = false;        ///< but not where the value is 0
 
   bool planar = false;      ///< the body lies in the plane: plain colours that tell how often it covers itself
   bool wireframe = false;   ///< draw the triangles' edges

@@ -1,5 +1,8 @@
 #include "scene/reading/touches.h"
 
+#include "selvage/self_collision/proximity.h"
+#include "simulation/colliders/prepared_collider.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -78,21 +81,41 @@ bool is_inner(double place) {
 
 }  // namespace
 
-TouchFinder::TouchFinder(const TetMesh& mesh, std::span<const Vec3> positions, std::span<const Collider> colliders)
-    : mesh_(mesh),
-      surface_(boundary_surface(mesh)),
-      distance_(touching_distance(surface_, positions)),
-      grown_(grow_all(colliders, distance_)),
-      near_(surface_, positions, distance_, without_neighbours()) {}
+struct TouchFinder::Impl {
+  const TetMesh& mesh;
+  TriangleMesh surface;
+  double distance;
+  std::vector<PreparedCollider> grown;  ///< colliders, larger by the distance
+  ProximityFinder near;
 
-void TouchFinder::add_collider_touches(std::span<const Vec3> positions, double time,
-                                       std::vector<Touch>& touches) const {
+  Impl(const TetMesh& of, std::span<const Vec3> positions, std::span<const Collider> colliders)
+      : mesh(of),
+        surface(boundary_surface(of)),
+        distance(touching_distance(surface, positions)),
+        grown(grow_all(colliders, distance)),
+        near(surface, positions, distance, without_neighbours()) {}
+
+  void add_collider_touches(std::span<const Vec3> positions, double time, std::vector<Touch>& touches) const;
+  void add_body_touches(std::span<const Vec3> positions, std::vector<Touch>& touches);
+};
+
+TouchFinder::TouchFinder(const TetMesh& mesh, std::span<const Vec3> positions, std::span<const Collider> colliders)
+    : impl_(std::make_unique<Impl>(mesh, positions, colliders)) {}
+
+TouchFinder::~TouchFinder() = default;
+
+double TouchFinder::distance() const {
+  return impl_->distance;
+}
+
+void TouchFinder::Impl::add_collider_touches(std::span<const Vec3> positions, double time,
+                                             std::vector<Touch>& touches) const {
   std::vector<RigidTransform> places;
-  for (const PreparedCollider& collider : grown_) places.push_back(collider.motion.at(time));
-  for (const Index v : mesh_.boundary_vertices()) {
-    for (std::size_t i = 0; i < grown_.size(); ++i) {
+  for (const PreparedCollider& collider : grown) places.push_back(collider.motion.at(time));
+  for (const Index v : mesh.boundary_vertices()) {
+    for (std::size_t i = 0; i < grown.size(); ++i) {
       const Vec3 p = places[i].invert(positions[v]);
-      const auto hit = std::visit([&](const auto& shape) { return find_hit(shape, p); }, grown_[i].shape);
+      const auto hit = std::visit([&](const auto& shape) { return find_hit(shape, p); }, grown[i].shape);
       if (!hit) continue;
       touches.push_back({MarkKind::kCollider, {v, v}, 0, places[i].rotation * hit->normal});
       break;
@@ -100,23 +123,23 @@ void TouchFinder::add_collider_touches(std::span<const Vec3> positions, double t
   }
 }
 
-void TouchFinder::add_body_touches(std::span<const Vec3> positions, std::vector<Touch>& touches) {
-  near_.update(positions);
-  const NearPairs pairs = near_.find_pairs();
+void TouchFinder::Impl::add_body_touches(std::span<const Vec3> positions, std::vector<Touch>& touches) {
+  near.update(positions);
+  const NearPairs pairs = near.find_pairs();
   for (std::size_t i = 0; i < pairs.vertex_face.size();) {
     const Index vertex = pairs.vertex_face[i].vertex;
     const NearVertexFace* nearest = &pairs.vertex_face[i];
     for (; i < pairs.vertex_face.size() && pairs.vertex_face[i].vertex == vertex; ++i)
       if (pairs.vertex_face[i].distance < nearest->distance) nearest = &pairs.vertex_face[i];
-    const Vec3 normal = face_normal(surface_, positions, nearest->face);
+    const Vec3 normal = face_normal(surface, positions, nearest->face);
     touches.push_back({MarkKind::kVertexFace, {vertex, vertex}, 0, normal.normalized()});
   }
   for (const NearEdges& pair : pairs.edge_edge) {
     if (!is_inner(pair.place[0]) || !is_inner(pair.place[1])) continue;
-    const auto& first = surface_.edges()[pair.first];
-    const auto& second = surface_.edges()[pair.second];
+    const auto& first = surface.edges()[pair.first];
+    const auto& second = surface.edges()[pair.second];
     Vec3 outward = Vec3::Zero();
-    for (const Index face : surface_.edge_triangles(pair.second)) outward += face_normal(surface_, positions, face);
+    for (const Index face : surface.edge_triangles(pair.second)) outward += face_normal(surface, positions, face);
     Vec3 normal = (positions[first[1]] - positions[first[0]]).cross(positions[second[1]] - positions[second[0]]);
     if (normal.dot(outward) < 0) normal = -normal;
     if (!(normal.norm() > 0)) normal = outward;
@@ -126,8 +149,8 @@ void TouchFinder::add_body_touches(std::span<const Vec3> positions, std::vector<
 
 std::vector<Touch> TouchFinder::find(std::span<const Vec3> positions, double time) {
   std::vector<Touch> touches;
-  add_collider_touches(positions, time, touches);
-  add_body_touches(positions, touches);
+  impl_->add_collider_touches(positions, time, touches);
+  impl_->add_body_touches(positions, touches);
   if (touches.size() > kMaxTouches) touches.resize(kMaxTouches);
   return touches;
 }

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "scene/reading/marks.h"
-#include "selvage/self_collision/proximity.h"
 #include "selvage/simulation/collider.h"
-#include "simulation/colliders/prepared_collider.h"
+
+#include <memory>
 
 namespace selvage {
 
@@ -24,26 +24,21 @@ class TouchFinder {
   /// @param mesh  must outlive the finder
   /// @throws Error  when a collider is impossible
   TouchFinder(const TetMesh& mesh, std::span<const Vec3> positions, std::span<const Collider> colliders);
+  ~TouchFinder();
 
   /// At most kMaxTouches; first those of colliders, then of vertices and faces, then of edges, each by number.
   /// @param time  [s] at which the colliders are where they are
   std::vector<Touch> find(std::span<const Vec3> positions, double time);
 
   /// [m]
-  double distance() const { return distance_; }
+  double distance() const;
 
   static constexpr double kNear = 0.02;
   static constexpr std::size_t kMaxTouches = 20'000;
 
  private:
-  void add_collider_touches(std::span<const Vec3> positions, double time, std::vector<Touch>& touches) const;
-  void add_body_touches(std::span<const Vec3> positions, std::vector<Touch>& touches);
-
-  const TetMesh& mesh_;
-  TriangleMesh surface_;
-  double distance_;
-  std::vector<PreparedCollider> grown_;  ///< colliders, larger by the distance
-  ProximityFinder near_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace selvage
