@@ -90,8 +90,8 @@ TEST_F(Render, ColoursRunsByValuesAndMovesTheCamera) {
   write_encoder(file("tools"), "for last; do :; done\nexec /bin/cat > \"$last\"\n");
   run_well("make ball -o ball.vtu -q");
   const SearchPath path(file("tools"));
-  run_well("render ball.vtu -o ball.mp4 --orbit 360 --size 64 64 -q");
-  EXPECT_EQ(fs::file_size(file("ball.mp4")), 120u * 3 * 64 * 64);
+  run_well("render ball.vtu -o ball.mp4 --orbit 360 --size 64 64 --frames 0,0,0 -q");
+  EXPECT_EQ(fs::file_size(file("ball.mp4")), 3u * 3 * 64 * 64);
 }
 
 TEST_F(Render, RefusesCamerasAndColoursThatMeanNothing) {

@@ -149,7 +149,7 @@ export class Charts {
       legend: { live: true },
       axes: [
         { stroke: ink, grid: faint, ticks: faint, size: 30, font: "10px sans-serif", space: 50 },
-        { stroke: ink, grid: faint, ticks: faint, size: 36, font: "10px sans-serif", space: 24, values: shortTicks },
+        { stroke: ink, grid: faint, ticks: faint, size: 42, font: "10px sans-serif", space: 24, values: shortTicks },
       ],
       series: [{ label: "frame" }, ...series],
     };

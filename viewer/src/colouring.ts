@@ -1,17 +1,6 @@
 import type { Marks } from "./decode";
-import {
-  bodyColour,
-  contactColour,
-  contactNames,
-  contacts,
-  depths,
-  rampColour,
-  shortNumber,
-  speeds,
-  strains,
-  toLinear,
-  type Rgb,
-} from "./fields";
+import { bodyColour, contactColour, contactNames, contacts, depths, rampColour } from "./fields";
+import { shortNumber, speeds, strains, toLinear, type Rgb } from "./fields";
 import { column } from "./charts";
 import type { Head } from "./head";
 import type { Surface } from "./surface";

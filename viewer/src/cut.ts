@@ -26,18 +26,9 @@ export class Cut {
   }
 
   private counter(geometry: THREE.BufferGeometry, side: THREE.Side, op: THREE.StencilOp, order: number): THREE.Mesh {
-    const material = new THREE.MeshBasicMaterial({
-      side,
-      depthWrite: false,
-      depthTest: false,
-      colorWrite: false,
-      stencilWrite: true,
-      stencilFunc: THREE.AlwaysStencilFunc,
-      stencilFail: op,
-      stencilZFail: op,
-      stencilZPass: op,
-      clippingPlanes: [this.plane],
-    });
+    const always = { stencilWrite: true, stencilFunc: THREE.AlwaysStencilFunc, stencilFail: op, stencilZFail: op, stencilZPass: op };
+    const unseen = { depthWrite: false, depthTest: false, colorWrite: false };
+    const material = new THREE.MeshBasicMaterial({ side, ...unseen, ...always, clippingPlanes: [this.plane] });
     const mesh = new THREE.Mesh(geometry, material);
     mesh.renderOrder = order;
     mesh.frustumCulled = false;
@@ -46,15 +37,8 @@ export class Cut {
 
   private addCap(size: number, color: THREE.Color, stencilFunc: THREE.StencilFunc, stencilRef: number, order: number) {
     const zero = THREE.ZeroStencilOp;
-    const material = new THREE.MeshBasicMaterial({
-      color,
-      side: THREE.DoubleSide,
-      stencilWrite: true,
-      stencilRef,
-      stencilFunc,
-      stencilZFail: zero,
-      stencilZPass: zero,
-    });
+    const where = { stencilWrite: true, stencilRef, stencilFunc, stencilZFail: zero, stencilZPass: zero };
+    const material = new THREE.MeshBasicMaterial({ color, side: THREE.DoubleSide, ...where });
     const cap = new THREE.Mesh(new THREE.PlaneGeometry(size, size), material);
     cap.renderOrder = order;
     this.caps.push(cap);

@@ -116,6 +116,16 @@ export function toLinear(colour: Rgb): Rgb {
   return colour.map((c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4)) as Rgb;
 }
 
+/// Colours in the light of the stage: a sun, and a sky that is dimmer from below.
+export function lightColours(normals: Float32Array, colours: Float32Array, up: number[], sun: number[], lit: Float32Array): void {
+  for (let i = 0; i < lit.length; i += 3) {
+    const along = (way: number[]) => normals[i] * way[0] + normals[i + 1] * way[1] + normals[i + 2] * way[2];
+    const sky = 0.5 + 0.5 * along(up);
+    const light = (2.1 * Math.max(0, along(sun)) + 1.5 * (sky + 0.27 * (1 - sky))) / Math.PI;
+    for (let k = i; k < i + 3; ++k) lit[k] = colours[k] * light;
+  }
+}
+
 /// A number in few digits.
 export function shortNumber(value: number): string {
   if (value === 0) return "0";

@@ -46,19 +46,8 @@ class Viewer {
   private blends: boolean;
   private charts: Charts | null = null;
   private options = {
-    colour: "body" as Mode,
-    smooth: true,
-    edges: true,
-    opacity: 1,
-    triangles: true,
-    ways: true,
-    touches: false,
-    colliders: true,
-    ground: true,
-    cut: false,
-    across: "y" as "x" | "y" | "z",
-    place: 0.5,
-    flip: false,
+    ...{ colour: "body" as Mode, smooth: true, edges: true, opacity: 1, triangles: true, ways: true, touches: false },
+    ...{ colliders: true, ground: true, cut: false, across: "y" as "x" | "y" | "z", place: 0.5, flip: false },
   };
   private gui = new GUI({ container: element("options"), title: "show" });
 

@@ -5,7 +5,7 @@ import { Arrows } from "./arrows";
 import { Colliders, findGround } from "./colliders";
 import { Cut } from "./cut";
 import type { Marks } from "./decode";
-import { markColour } from "./fields";
+import { lightColours, markColour } from "./fields";
 import { blends, type Head } from "./head";
 import { findNormals, sortByBody, type Surface } from "./surface";
 
@@ -31,6 +31,9 @@ export class Stage {
   private positions: THREE.BufferAttribute;
   private normals: THREE.BufferAttribute;
   private colours: THREE.BufferAttribute;
+  private lit: THREE.BufferAttribute;
+  private baked: THREE.Mesh;
+  private sun = new THREE.DirectionalLight(0xffffff, 2.1);
   private geometry = new THREE.BufferGeometry();
   private bodies: THREE.Mesh<THREE.BufferGeometry, THREE.MeshLambertMaterial>;
   private edges: THREE.LineSegments<THREE.BufferGeometry, THREE.LineBasicMaterial>;
@@ -46,6 +49,7 @@ export class Stage {
   private bvhIsOld = true;
   private dirty = true;
   private software: boolean;
+  private solid: boolean;
   private moving = 0; // reasons for which the picture changes all the time: playing, turning
   private box: THREE.Box3;
   private up: THREE.Vector3;
@@ -58,6 +62,7 @@ export class Stage {
     head: Head,
   ) {
     this.software = drawsBySoftware();
+    this.solid = head.kind === "run";
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.software, stencil: true });
     this.renderer.localClippingEnabled = true;
     const lower = new THREE.Vector3(...head.box.lower);
@@ -74,11 +79,14 @@ export class Stage {
     this.positions = attribute(3);
     this.normals = attribute(3);
     this.colours = attribute(3);
+    this.lit = attribute(3);
     const index = new THREE.BufferAttribute(new Uint32Array(surface.triangles), 1);
     this.share(this.geometry).setIndex(index);
     const settings = { vertexColors: true, side: THREE.DoubleSide };
     this.bodies = new THREE.Mesh(this.geometry, new THREE.MeshLambertMaterial(settings));
     this.bodies.renderOrder = 1000;
+    const bakedGeometry = this.share(new THREE.BufferGeometry()).setIndex(index).setAttribute("color", this.lit);
+    this.baked = new THREE.Mesh(bakedGeometry, new THREE.MeshBasicMaterial({ vertexColors: true }));
     const ink = new THREE.LineBasicMaterial({ color: 0x101418, transparent: true, opacity: 0.28 });
     this.edges = new THREE.LineSegments(new THREE.BufferGeometry(), ink);
     this.edges.renderOrder = 1001;
@@ -108,13 +116,12 @@ export class Stage {
     this.ground.visible = this.shadow.visible = hasFloor || blends(head) || head.kind === "mesh";
 
     for (const part of [this.bodies, this.edges]) part.material.clippingPlanes = [];
-    for (const part of [this.bodies, this.edges, this.shadow, this.marked, ...this.chosen]) part.frustumCulled = false;
-    const sun = new THREE.DirectionalLight(0xffffff, 2.1);
-    sun.position.copy(this.up).multiplyScalar(2).add(new THREE.Vector3(0.7, -1.1, 0.5));
+    for (const part of [this.bodies, this.baked, this.edges, this.shadow, this.marked, ...this.chosen]) part.frustumCulled = false;
+    this.sun.position.copy(this.up).multiplyScalar(2).add(new THREE.Vector3(0.7, -1.1, 0.5));
     const sky = new THREE.HemisphereLight(0xffffff, 0x8c8880, 1.5);
     sky.position.copy(this.up);
-    const parts = [this.bodies, this.edges, this.marked, ...this.chosen, this.arrows.group, this.pickDot, this.shadow];
-    this.scene.add(...parts, this.ground, this.colliders.group, sun, sky);
+    const parts = [this.bodies, this.baked, this.edges, this.marked, ...this.chosen, this.arrows.group, this.pickDot, this.shadow];
+    this.scene.add(...parts, this.ground, this.colliders.group, this.sun, sky);
     this.fit(this.box);
   }
 
@@ -267,9 +274,7 @@ export class Stage {
     this.draw();
   }
 
-  get edgesShown(): boolean {
-    return this.edges.visible;
-  }
+  get edgesShown(): boolean { return this.edges.visible; }
 
   setOpacity(opacity: number): void {
     Object.assign(this.bodies.material, { opacity, transparent: opacity < 1, depthWrite: opacity === 1, needsUpdate: true });
@@ -282,9 +287,7 @@ export class Stage {
     this.draw();
   }
 
-  get groundShown(): boolean {
-    return this.ground.visible;
-  }
+  get groundShown(): boolean { return this.ground.visible; }
 
   /// @param axis   "x", "y", "z"; null: no cut
   /// @param place  from 0 to 1 across the box
@@ -347,6 +350,16 @@ export class Stage {
     this.draw();
   }
 
+  /// Draws bodies with light found once a vertex, without their backs: much cheaper without a graphics card.
+  private bakeLight(on: boolean): void {
+    this.baked.visible = on;
+    this.bodies.visible = !on;
+    if (!on) return;
+    const [normals, colours, lit] = [this.normals, this.colours, this.lit].map((a) => a.array as Float32Array);
+    lightColours(normals, colours, this.up.toArray(), this.sun.position.clone().normalize().toArray(), lit);
+    this.lit.needsUpdate = true;
+  }
+
   setMoving(moves: boolean): void {
     this.moving += moves ? 1 : -1;
     this.draw();
@@ -372,6 +385,8 @@ export class Stage {
     }
     if (!this.dirty) return;
     this.dirty = false;
+    const { opacity, flatShading } = this.bodies.material;
+    this.bakeLight(hurry && this.solid && !this.cut?.group.visible && opacity === 1 && !flatShading);
     const seenFromAbove = this.camera.position.dot(this.up) > this.groundHeight;
     const shadowShown = this.shadow.visible;
     this.shadow.visible = shadowShown && seenFromAbove && !(hurry && this.surface.triangles.length > 3 * 20000);

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { noMarks } from "../src/decode";
-import { bodyColour, contacts, depths, markColour, parseColour, rampColour, shortNumber, speeds, strains, toLinear } from "../src/fields";
+import { bodyColour, contacts, depths, lightColours, markColour, parseColour, rampColour, shortNumber, speeds, strains, toLinear } from "../src/fields";
 import { findComponents, findNormals, findOutline, sortByBody, type Surface } from "../src/surface";
 
 const tetrahedron = Int32Array.from([0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3]);
@@ -82,6 +82,16 @@ describe("values", () => {
     };
     expect([...depths(surface, marks)]).toEqual([0, 0, 0, 0.25, 0, 0, 0, 0]);
     expect([...contacts(surface, marks)]).toEqual([4, 4, 4, 1, 4, 4, 4, 8]);
+  });
+
+  it("are lit from the sun's side and from above", () => {
+    const normals = new Float32Array([0, 0, 1, 0, 0, -1, 1, 0, 0]);
+    const lit = new Float32Array(9);
+    lightColours(normals, new Float32Array(9).fill(0.5), [0, 0, 1], [1, 0, 0], lit);
+    expect(lit[0]).toBeCloseTo((0.5 * 1.5) / Math.PI, 6);
+    expect(lit[3]).toBeCloseTo((0.5 * 1.5 * 0.27) / Math.PI, 6);
+    expect(lit[6]).toBeCloseTo((0.5 * (2.1 + 1.5 * 0.635)) / Math.PI, 6);
+    expect(lit[8]).toBe(lit[6]);
   });
 
   it("are written in few digits", () => {
