@@ -65,12 +65,14 @@ build-tests:
 	$(CONFIGURE) --preset release -DSELVAGE_BUILD_TESTS=ON
 	$(BUILD) release
 
+# In Firefox too, where firefox-esr and xvfb are installed.
 ## test-viewer the tests of the page that `selvage view` writes, in Chromium; needs Node (npm), installed if missing
 test-viewer: cli
 	command -v npm >/dev/null || $(INSTALL) node
 	$(INSTALL) viewer
 	cd viewer && npm ci --no-audit --no-fund --loglevel=error
-	cd viewer && npx tsc --noEmit && npm test && SELVAGE=$(CURDIR)/build/release/selvage npm run test:page
+	cd viewer && npx tsc --noEmit && npm test && \
+	  SELVAGE=$(CURDIR)/build/release/selvage $$(command -v xvfb-run >/dev/null && echo xvfb-run -a) npm run test:page
 
 ## sanitize    the tests under the address, undefined-behaviour and thread sanitizers, with fewer random cases
 sanitize: sanitize-memory sanitize-threads
