@@ -11,7 +11,7 @@ namespace selvage {
 
 struct RunPageOptions {
   std::int64_t every = 1;  ///< show each frame whose number is a multiple of this, and the last
-  /// Find points inside and triangles that cross, in frames whose statistics count some.
+  /// Find contacts, and in frames whose statistics count some, points inside and triangles that cross.
   bool marks = true;
   std::vector<std::array<std::string, 3>> facts{};          ///< more lines for the table: group, name, value
   std::function<void(double share)> on_progress = nullptr;  ///< with the share that is done, or null

@@ -110,7 +110,8 @@ Command add_view(CLI::App& app) {
   sub->add_option("--every", options->every, "Of a run, show one frame in N, and the last")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000}))
       ->type_name("N");
-  sub->add_flag("--no-marks", options->no_marks, "Of a run, do not look for vertices inside and triangles that cross");
+  sub->add_flag("--no-marks", options->no_marks,
+                "Of a run, do not look for contacts, vertices inside and triangles that cross");
   sub->add_option("--after", options->after, "Of resolve, the mesh that it wrote, where it is no longer at its place")
       ->type_name("MESH");
   return {sub, &options->common, [options] {
