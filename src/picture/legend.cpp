@@ -52,7 +52,7 @@ void draw_scale(Image& image, double top_value, std::string_view title, Rgb (*co
 
 void draw_names(Image& image, std::span<const std::string_view> names, std::span<const Rgb> colours) {
   const float unit = static_cast<float>(image.height()) / 1000;
-  const float box = 22 * unit, left = static_cast<float>(image.width()) - 248 * unit, letter = 11.5f * unit;
+  const float box = 22 * unit, left = static_cast<float>(image.width()) - 272 * unit, letter = 11.5f * unit;
   float top = 250 * unit;
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (names[i].empty()) continue;

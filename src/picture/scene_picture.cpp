@@ -18,7 +18,7 @@ constexpr double kSmallestStep = 0.009;  // of the scene's radius: the smallest 
 constexpr double kMargin = 0.04;         // of the picture, around what is seen
 constexpr int kExtremes = 60;            // directions in which a frame's outermost points are kept
 constexpr double kFarCollider = 1.6;     // of the room's size: colliders that reach farther need not be seen whole
-constexpr double kLegend = 0.27;         // of the picture's height, on the right
+constexpr double kLegend = 0.29;         // of the picture's height, on the right
 constexpr float kLineRadius = 0.55f;     // pixels, in a picture 800 pixels high
 
 std::vector<Vec3> spread_directions() {
