@@ -1,5 +1,6 @@
 #pragma once
 
+#include "selvage/io/coloured_ply.h"
 #include "selvage/io/mesh_file.h"
 #include "selvage/io/vtu.h"
 
@@ -35,6 +36,9 @@ IndexedMesh parse_vtu(const Source& source);
 
 std::string print_obj(const IndexedMesh& mesh);
 std::string print_ply(const IndexedMesh& mesh, FileEncoding encoding);
+/// With colours where there are any.
+std::string print_ply(const IndexedMesh& mesh, FileEncoding encoding, std::span<const Colour8> vertex_colours,
+                      std::span<const Colour8> triangle_colours);
 /// STL and OFF. @throws Error  when a coordinate does not fit in a float and the encoding is binary
 std::string print_stl(const IndexedMesh& mesh, FileEncoding encoding);
 std::string print_off(const IndexedMesh& mesh, FileEncoding encoding);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 
 namespace selvage::format {
 
@@ -56,14 +57,26 @@ void ElementCollector::add_polygon(std::span<const Index> polygon) {
   if (polygon.size() < 3) {
     cursor_.fail(fmt::format("a face has {} vertices", polygon.size()), "a face needs at least 3: remove it");
   }
-  for (std::size_t i = 2; i < polygon.size(); ++i) add_triangle(polygon[0], polygon[i - 1], polygon[i]);
+  for (std::size_t i = 2; i < polygon.size(); ++i) add_part(polygon[0], polygon[i - 1], polygon[i]);
+  end_face(polygon.size() - 2);
 }
 
 void ElementCollector::add_strip(std::span<const Index> strip) {
   for (std::size_t i = 2; i < strip.size(); ++i) {
     const bool reversed = i % 2 == 1;
-    add_triangle(strip[i - (reversed ? 1 : 2)], strip[i - (reversed ? 2 : 1)], strip[i]);
+    add_part(strip[i - (reversed ? 1 : 2)], strip[i - (reversed ? 2 : 1)], strip[i]);
   }
+  if (strip.size() > 2) end_face(strip.size() - 2);
+}
+
+void ElementCollector::end_face(std::size_t parts) {
+  std::vector<Index>& faces = mesh_.faces;
+  if (faces.empty()) {
+    if (parts == 1) return;  // until now every face is a triangle
+    faces.resize(mesh_.triangles.size() - parts);
+    std::iota(faces.begin(), faces.end(), 0);
+  }
+  faces.resize(mesh_.triangles.size(), faces.empty() ? 0 : faces.back() + 1);
 }
 
 void ElementCollector::fail_unknown(std::int64_t number) const {

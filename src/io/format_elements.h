@@ -67,8 +67,8 @@ class ElementCollector {
   }
 
   void add_triangle(Index a, Index b, Index c) {
-    if (a == b || b == c || c == a) fail_repeated("triangle", a == b ? a : c);
-    mesh_.triangles.push_back({a, b, c});
+    add_part(a, b, c);
+    if (!mesh_.faces.empty()) end_face(1);
   }
 
   void add_tetrahedron(Index a, Index b, Index c, Index d) {
@@ -80,12 +80,19 @@ class ElementCollector {
   /// Splits a polygon into a fan around its first vertex.
   void add_polygon(std::span<const Index> polygon);
 
-  /// Triangles of three consecutive vertices each, every second one with its orientation reversed.
+  /// Triangles of three consecutive vertices each, every second one with its orientation reversed; they count as one
+  /// face.
   void add_strip(std::span<const Index> strip);
 
   const Cursor& cursor() const { return cursor_; }
 
  private:
+  void add_part(Index a, Index b, Index c) {
+    if (a == b || b == c || c == a) fail_repeated("triangle", a == b ? a : c);
+    mesh_.triangles.push_back({a, b, c});
+  }
+  /// The last triangles are the parts of one face.
+  void end_face(std::size_t parts);
   [[noreturn]] void fail_unknown(std::int64_t number) const;
   [[noreturn]] void fail_repeated(std::string_view element, Index vertex) const;
 

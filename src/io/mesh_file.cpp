@@ -1,4 +1,5 @@
 #include "selvage/io/mesh_file.h"
+#include "selvage/io/coloured_ply.h"
 #include "selvage/io/vtu.h"
 
 #include "io/format.h"
@@ -6,6 +7,8 @@
 #include "selvage/core/error.h"
 
 #include <fmt/format.h>
+
+#include <algorithm>
 
 namespace selvage {
 
@@ -107,6 +110,10 @@ void check_content(const IndexedMesh& mesh, std::string_view name) {
   check_positions(mesh.positions, name);
   check_elements(mesh.triangles, mesh.positions.size(), "triangle", name);
   check_elements(mesh.tetrahedra, mesh.positions.size(), "tetrahedron", name);
+  if (mesh.groups.empty()) return;
+  const auto is_known = [&](Index g) { return g >= kNone && g < std::ssize(mesh.group_names); };
+  if (mesh.groups.size() != mesh.triangles.size() || !std::all_of(mesh.groups.begin(), mesh.groups.end(), is_known))
+    throw Error(name, "the groups do not fit the triangles", "give each triangle the number of a name, or none");
 }
 
 void check_fields(const std::vector<VtkField>& fields, std::size_t count, std::string_view kind,
@@ -169,6 +176,10 @@ void check_format_holds(const fs::path& path, const IndexedMesh& mesh) {
   check_writable(mesh, find_format(path.extension().string(), name), name);
 }
 
+bool holds_tetrahedra(const fs::path& path) {
+  return find_format(path.extension().string(), path.string()).holds_tetrahedra;
+}
+
 void write_mesh(const fs::path& path, const IndexedMesh& mesh, FileEncoding encoding) {
   const std::string name = path.string();
   const Format& found = find_format(path.extension().string(), name);
@@ -181,6 +192,20 @@ void write_mesh(const fs::path& path, const IndexedMesh& mesh, FileEncoding enco
   std::string first = format::print_tetgen_nodes(mesh), second = format::print_tetgen_elements(mesh);
   if (found.extension == ".ele") std::swap(first, second);
   write_whole_files(std::array{FileContent{path, first}, FileContent{twin_of(path), second}});
+}
+
+void write_coloured_ply(const fs::path& path, const IndexedMesh& mesh, std::span<const Colour8> vertex_colours,
+                        std::span<const Colour8> triangle_colours) {
+  const std::string name = path.string();
+  check_writable(mesh, find_format(".ply", name), name);
+  check_content(mesh, name);
+  if (vertex_colours.size() != mesh.positions.size() || triangle_colours.size() != mesh.triangles.size())
+    throw Error(name,
+                fmt::format("{} and {} colours for {} vertices and {} triangles", vertex_colours.size(),
+                            triangle_colours.size(), mesh.positions.size(), mesh.triangles.size()),
+                "give one for each");
+  const std::string bytes = format::print_ply(mesh, kBinary, vertex_colours, triangle_colours);
+  write_whole_files(std::array{FileContent{path, bytes}});
 }
 
 void write_vtu(const fs::path& path, const VtkGrid& grid, FileEncoding encoding) {

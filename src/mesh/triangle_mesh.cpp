@@ -3,6 +3,9 @@
 #include "core/parallel.h"
 #include "mesh/tuple_check.h"
 #include "mesh/vertex_stars.h"
+#include "selvage/core/error.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <atomic>
@@ -121,8 +124,44 @@ TriangleMesh::TriangleMesh(Index vertex_count, std::vector<Triangle> triangles)
   is_oriented_ = all_agree;
 }
 
+std::vector<Index> connected_pieces(const TriangleMesh& mesh) {
+  std::vector<Index> pieces(mesh.triangles().size(), kNone), front;
+  Index count = 0;
+  for (Index first = 0; first < mesh.triangle_count(); ++first) {
+    if (pieces[first] != kNone) continue;
+    pieces[first] = count;
+    front.push_back(first);
+    while (!front.empty()) {
+      const Index t = front.back();
+      front.pop_back();
+      for (const Index v : mesh.triangles()[t])
+        for (const Index other : mesh.vertex_triangles(v)) {
+          if (pieces[other] != kNone) continue;
+          pieces[other] = count;
+          front.push_back(other);
+        }
+    }
+    ++count;
+  }
+  return pieces;
+}
+
 TriangleMesh boundary_surface(const TetMesh& mesh) {
   return {mesh.vertex_count(), {mesh.boundary_faces().begin(), mesh.boundary_faces().end()}};
+}
+
+IndexedMesh boundary_mesh(const TetMesh& mesh, std::span<const Vec3> positions) {
+  if (std::ssize(positions) != mesh.vertex_count())
+    throw Error("positions", fmt::format("{} for {} vertices", positions.size(), mesh.vertex_count()),
+                "give one per vertex");
+  IndexedMesh surface;
+  std::vector<Index> number(positions.size(), kNone);
+  for (const Index v : mesh.boundary_vertices()) {
+    number[v] = static_cast<Index>(surface.positions.size());
+    surface.positions.push_back(positions[v]);
+  }
+  for (const auto& [a, b, c] : mesh.boundary_faces()) surface.triangles.push_back({number[a], number[b], number[c]});
+  return surface;
 }
 
 }  // namespace selvage

@@ -26,6 +26,44 @@ TEST(ObjSample, CornerFormsNegativeNumbersPolygonsAndJoinedLines) {
   EXPECT_EQ(mesh.triangles, (Triangles{{0, 1, 2}, {0, 2, 3}, {0, 1, 2}}));
 }
 
+TEST(ObjSample, KeepsNumbersOfFaces) {
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\n";
+  const IndexedMesh mixed = parse(".obj", vertices + "f 1 2 5\nf 1 2 3 4\nf 2 3 5\nf 1 2 3 4 5\n");
+  EXPECT_EQ(mixed.triangles.size(), 7u);
+  EXPECT_EQ(mixed.faces, (std::vector<Index>{0, 1, 1, 2, 3, 3, 3}));
+  EXPECT_EQ(parse(".obj", vertices + "f 1 2 3 4\nf 1 2 5\n").faces, (std::vector<Index>{0, 0, 1}));
+  EXPECT_TRUE(parse(".obj", vertices + "f 1 2 5\nf 2 3 5\n").faces.empty());
+}
+
+TEST(ObjSample, KeepsObjectsAndGroups) {
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+  const IndexedMesh mesh = parse(".obj", vertices +
+                                             "f 1 2 3\no the  shirt # blue\nf 1 2 3 4\ng sleeve\nf 1 2 4\n"
+                                             "o trousers\nf 2 3 4\no the shirt\nf 1 3 4\n");
+  EXPECT_EQ(mesh.group_names, (std::vector<std::string>{"the shirt", "the shirt/sleeve", "trousers"}));
+  EXPECT_EQ(mesh.groups, (std::vector<Index>{kNone, 0, 0, 1, 2, 0}));
+  const std::string text = format::print_obj(mesh);
+  EXPECT_NE(text.find("o the_shirt/sleeve\nf 1 2 4\no trousers\nf 2 3 4\no the_shirt\n"), std::string::npos) << text;
+  EXPECT_EQ(text.find("o "), text.find("o the_shirt\nf 1 2 3\nf 1 3 4\n"));
+  EXPECT_EQ(parse(".obj", text).groups, mesh.groups);
+  const IndexedMesh plain = parse(".obj", vertices + "f 1 2 3\n");
+  EXPECT_TRUE(plain.groups.empty() && plain.group_names.empty());
+}
+
+TEST(PlySample, ColoursStandBehindVerticesAndFaces) {
+  const std::vector<Colour8> vertices{{1, 2, 3}, {4, 5, 6}, {7, 8, 255}}, faces{{9, 10, 11}};
+  const std::string text = format::print_ply(one_triangle(), FileEncoding::kAscii, vertices, faces);
+  EXPECT_NE(text.find(" 7 8 255\n3 0 1 2 9 10 11\n"), std::string::npos) << text;
+  expect_same_mesh(parse(".ply", text), one_triangle(), "coloured text");
+  expect_same_mesh(parse(".ply", format::print_ply(one_triangle(), FileEncoding::kBinary, vertices, faces)),
+                   one_triangle(), "coloured");
+}
+
+TEST(OffSample, KeepsNumbersOfFaces) {
+  const IndexedMesh mesh = parse(".off", "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n3 0 1 2\n");
+  EXPECT_EQ(mesh.faces, (std::vector<Index>{0, 0, 1}));
+}
+
 TEST(ObjSample, FacesBeforeTheirVertices) {
   expect_same_mesh(parse(".obj", "f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0.5"), one_triangle(), "obj");
 }

@@ -27,6 +27,10 @@ IndexedMesh read_mesh(const std::filesystem::path& path);
 /// @throws Error  unknown extension, or elements of a kind that the format does not have
 void check_format_holds(const std::filesystem::path& path, const IndexedMesh& mesh);
 
+/// Whether the format of the extension holds tetrahedra, or surfaces only.
+/// @throws Error  unknown extension
+bool holds_tetrahedra(const std::filesystem::path& path);
+
 /// Writes a mesh in the format of the extension; whole or not at all (written beside and renamed). Coordinates survive
 /// a round trip bit for bit where the format can hold them (ASCII is written with the shortest exact digits; binary STL
 /// and OFF hold floats only).

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "selvage/core/types.h"
+#include "selvage/mesh/indexed_mesh.h"
 #include "selvage/mesh/simplex_mesh.h"
 
 namespace selvage {
@@ -63,6 +64,10 @@ class TriangleMesh {
   std::vector<Index> vertex_triangle_, vertex_triangle_first_;
 };
 
+/// Connected piece of each triangle, numbered from 0 in order of their first triangles: two triangles with a common
+/// vertex are of one piece. O(n).
+std::vector<Index> connected_pieces(const TriangleMesh& mesh);
+
 /// Surface of a tetrahedral mesh: its boundary faces, outward, in the order of TetMesh::boundary_faces(), so that
 /// triangle b is boundary face b. Vertices keep their numbers; those inside belong to no triangle.
 ///
@@ -72,5 +77,10 @@ class TriangleMesh {
 /// Example, built and run by the tests:
 /// @include boundary_surface.cpp
 TriangleMesh boundary_surface(const TetMesh& mesh);
+
+/// The same as a mesh of its own, without the vertices inside: those of the boundary follow in their order.
+/// @param positions  (n_vertices x 3) [m]
+/// @throws Error     when sizes differ
+IndexedMesh boundary_mesh(const TetMesh& mesh, std::span<const Vec3> positions);
 
 }  // namespace selvage

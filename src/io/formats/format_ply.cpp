@@ -277,26 +277,49 @@ IndexedMesh parse_ply(const Source& source) {
 }
 
 std::string print_ply(const IndexedMesh& mesh, FileEncoding encoding) {
+  return print_ply(mesh, encoding, {}, {});
+}
+
+std::string print_ply(const IndexedMesh& mesh, FileEncoding encoding, std::span<const Colour8> vertex_colours,
+                      std::span<const Colour8> triangle_colours) {
+  constexpr std::string_view kColour = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   const bool binary = encoding == FileEncoding::kBinary;
   Printer out;
-  if (binary) out.reserve(300 + 24 * mesh.positions.size() + 13 * mesh.triangles.size());
+  if (binary) out.reserve(500 + 27 * mesh.positions.size() + 16 * mesh.triangles.size());
   out.text("ply\nformat ").text(binary ? "binary_little_endian" : "ascii").text(" 1.0\nelement vertex ");
-  out.number(mesh.positions.size()).text("\nproperty double x\nproperty double y\nproperty double z\nelement face ");
-  out.number(mesh.triangles.size()).text("\nproperty list uchar int vertex_indices\nend_header\n");
-  for (const Vec3& p : mesh.positions) {
-    if (binary) {
-      for (const double x : p) out.binary(x);
-    } else {
-      out.numbers(p).text("\n");
+  out.number(mesh.positions.size()).text("\nproperty double x\nproperty double y\nproperty double z\n");
+  if (!vertex_colours.empty()) out.text(kColour);
+  out.text("element face ").number(mesh.triangles.size()).text("\nproperty list uchar int vertex_indices\n");
+  if (!triangle_colours.empty()) out.text(kColour);
+  out.text("end_header\n");
+  const auto end_row = [&](std::span<const Colour8> colours, std::size_t row) {
+    if (!colours.empty()) {
+      for (const std::uint8_t c : colours[row]) {
+        if (binary) {
+          out.binary(c);
+        } else {
+          out.text(" ").number(c);
+        }
+      }
     }
+    if (!binary) out.text("\n");
+  };
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    if (binary) {
+      for (const double x : mesh.positions[v]) out.binary(x);
+    } else {
+      out.numbers(mesh.positions[v]);
+    }
+    end_row(vertex_colours, v);
   }
-  for (const auto& triangle : mesh.triangles) {
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (binary) {
       out.binary(std::uint8_t{3});
-      for (const Index v : triangle) out.binary(v);
+      for (const Index v : mesh.triangles[t]) out.binary(v);
     } else {
-      out.text("3 ").element(triangle, 0).text("\n");
+      out.text("3 ").element(mesh.triangles[t], 0);
     }
+    end_row(triangle_colours, t);
   }
   return out.take();
 }
