@@ -77,16 +77,15 @@ void write_vtu_frame(const fs::path& path, const Model& model, const State& stat
   write_vtu(path, grid);
 }
 
-/// The boundary with its own vertices only.
+/// The boundary with its own vertices only, and each body as a group.
 void write_surface_frame(const fs::path& path, const Model& model, const State& state) {
-  IndexedMesh surface;
-  std::vector<Index> number(state.positions.size(), kNone);
-  for (const Index v : model.mesh.boundary_vertices()) {
-    number[v] = static_cast<Index>(surface.positions.size());
-    surface.positions.push_back(state.positions[v]);
+  IndexedMesh surface = boundary_mesh(model.mesh, state.positions);
+  for (const Body& body : model.bodies) surface.group_names.push_back(body.name);
+  for (const HalfFace owner : model.mesh.boundary_owners()) {
+    const auto behind = std::upper_bound(model.bodies.begin(), model.bodies.end(), owner.element(),
+                                         [](Index e, const Body& body) { return e < body.first_element; });
+    surface.groups.push_back(static_cast<Index>(behind - model.bodies.begin()) - 1);
   }
-  for (const auto& [a, b, c] : model.mesh.boundary_faces())
-    surface.triangles.push_back({number[a], number[b], number[c]});
   write_mesh(path, surface);
 }
 

@@ -26,7 +26,9 @@ auto at_place(const std::string& where, Make&& make) {
 
 IndexedMesh load_mesh(const MeshSource& source) {
   return at_place(source.where, [&] {
-    return source.file.empty() ? make_shape(source.shape, source.options) : read_mesh(source.file);
+    IndexedMesh mesh = source.file.empty() ? make_shape(source.shape, source.options) : read_mesh(source.file);
+    if (source.centre) centre_at_origin(mesh.positions);
+    return mesh;
   });
 }
 
@@ -172,8 +174,9 @@ std::uint64_t fingerprint_of(const SceneDescription& description, const Scene& s
 
 }  // namespace
 
-Scene parse_scene(std::string_view text, const std::filesystem::path& path, std::string_view scale) {
-  const SceneDescription description = describe_scene(text, path, scale);
+Scene parse_scene(std::string_view text, const std::filesystem::path& path, std::string_view scale,
+                  std::span<const std::string> changes) {
+  const SceneDescription description = describe_scene(text, path, scale, changes);
   Assembly all = assemble(description);
   Scene scene;
   scene.name = path.stem().string();
@@ -203,8 +206,8 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& path, std:
   return scene;
 }
 
-Scene read_scene(const std::filesystem::path& path, std::string_view scale) {
-  return parse_scene(read_whole_file(path), path, scale);
+Scene read_scene(const std::filesystem::path& path, std::string_view scale, std::span<const std::string> changes) {
+  return parse_scene(read_whole_file(path), path, scale, changes);
 }
 
 }  // namespace selvage

@@ -1,5 +1,6 @@
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "selvage/shapes/shapes.h"
@@ -255,6 +256,33 @@ std::span<const std::string_view> shape_names() {
       "box",  "beam",  "rod",  "trefoil",      "nested-knot", "noodle", "overhand", "nested-overhand",
       "ball", "torus", "tube", "squishy-ball", "octopus",     "gear",   "cloth"};
   return kNames;
+}
+
+std::span<const std::string_view> curve_names() {
+  static constexpr std::array<std::string_view, 6> kNames = {"straight", "trefoil",  "nested-knot",
+                                                             "coil",     "overhand", "nested-overhand"};
+  return kNames;
+}
+
+std::string_view shape_along_curve(std::string_view curve) {
+  const auto names = curve_names();
+  const auto found = std::find(names.begin(), names.end(), curve);
+  if (found == names.end())
+    throw Error("curve", fmt::format("there is no curve '{}'", curve),
+                fmt::format("use one of {}", fmt::join(names, ", ")));
+  if (*found == "straight") return "rod";
+  return *found == "coil" ? "noodle" : *found;
+}
+
+void centre_at_origin(std::span<Vec3> positions) {
+  if (positions.empty()) return;
+  Vec3 lower = positions[0], upper = positions[0];
+  for (const Vec3& p : positions) {
+    lower = lower.cwiseMin(p);
+    upper = upper.cwiseMax(p);
+  }
+  const Vec3 middle = lower + (upper - lower) / 2;
+  for (Vec3& p : positions) p -= middle;
 }
 
 double cell_for_element_count(std::string_view name, const ShapeOptions& options, std::int64_t target) {

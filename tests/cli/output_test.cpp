@@ -207,9 +207,17 @@ TEST(Console, ProgressBarIsShorterWhereItsNoteIsLong) {
   EXPECT_NE(seen.find("work [========        ]  50%  " + note), std::string::npos) << seen;
   const std::string longer = note + ", 21 s left, and more than fits in";
   const std::string cut = bar_output(terminal, other_end, false, longer);
-  EXPECT_NE(cut.find("work [====    ]  50%  " + longer.substr(0, 59 - 22) + "\033"), std::string::npos) << cut;
+  EXPECT_NE(cut.find("work  50%  " + longer.substr(0, 59 - 11) + "\033"), std::string::npos) << cut;
   close(terminal);
   close(other_end);
+}
+
+TEST(ProgressLine, GivesUpTheBarBeforeTheNote) {
+  EXPECT_EQ(progress_line("work", 0.5, "note", 79), "work [===============               ]  50%  note");
+  EXPECT_EQ(progress_line("work", 0.5, "note", 26), "work [====    ]  50%  note");
+  EXPECT_EQ(progress_line("work", 0.5, "note", 25), "work  50%  note");
+  EXPECT_EQ(progress_line("work", 2, "note", 12), "work 100%  n");
+  EXPECT_EQ(progress_line("work", 0, "note", 0), "");
 }
 
 }  // namespace

@@ -14,14 +14,14 @@ namespace {
 
 using Simulate = ProgramTest;
 
-const char* const kScene = R"({"selvage_scene": 1, "frames": 20, "substeps": 4,
+const char* const kBlocks = R"({"selvage_scene": 1, "frames": 20, "substeps": 4,
   "bodies": [{"mesh": {"shape": "box", "size": [1, 1, 1], "cell": 0.25}, "material": {"youngs_modulus": 2e4},
               "translate": [0, 0, 0.05], "instances": {"list": [{}, {"translate": [0.3, 0.2, 1.05]}]},
               "velocity": [0, 0, -2]}],
   "colliders": [{"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}]})";
 
 TEST_F(Simulate, WritesTheRunAndSaysWhatItDid) {
-  write_text(file("blocks.json"), kScene);
+  write_text(file("blocks.json"), kBlocks);
   const Outcome outcome = run_well("simulate blocks.json -o run --frames 3 --vtu --surface obj");
   for (const char* word :
        {"blocks", "2 bodies", "frames", "12 of 0.00417 s", "penetrating vertices", "frames a minute"})
@@ -38,10 +38,10 @@ TEST_F(Simulate, WritesTheRunAndSaysWhatItDid) {
 }
 
 TEST_F(Simulate, SaysAtTheStartThatBodiesOverlap) {
-  write_text(file("blocks.json"), kScene);
+  write_text(file("blocks.json"), kBlocks);
   EXPECT_EQ(run_well("simulate blocks.json -o apart --frames 0").out.find("at the start"), std::string::npos);
   // 0.06 m into the block below: 3 x 4 vertices of each.
-  std::string overlapping = kScene;
+  std::string overlapping = kBlocks;
   overlapping.replace(overlapping.find("1.05]"), 5, "0.94]");
   write_text(file("overlapping.json"), overlapping);
   const std::string said = run_well("simulate overlapping.json -o over --frames 1").out;
@@ -84,19 +84,68 @@ TEST_F(Simulate, SaysWhatStandsInWhatByPairsOfBodiesAndColliders) {
     EXPECT_EQ(found["colliders"][0]["collider"], 1);
     EXPECT_GT(found["colliders"][0]["points"], 0);
   }
-  write_text(file("blocks.json"), kScene);
+  write_text(file("blocks.json"), kBlocks);
   const std::string free = run_well("simulate blocks.json -o free --frames 2 --check-every 1").out;
   EXPECT_NE(free.find("frame 1          free\n"), std::string::npos) << free;
   EXPECT_EQ(free.find("colliders in bodies"), std::string::npos);
   expect_refused("simulate blocks.json -o no --check-every 0", 2, {"--check-every"});
 }
 
+TEST_F(Simulate, TakesValuesInPlaceOfTheScenes) {
+  write_text(file("blocks.json"), kBlocks);
+  const auto run_with = [&](const std::string& changes) {
+    return nlohmann::json::parse(run_well("simulate blocks.json -o run" + changes + " --json -").out);
+  };
+  EXPECT_EQ(run_with("0 --frames 0")["vertices"], 250);
+  EXPECT_EQ(run_with("1 --set /frames=0 --set /bodies/0/mesh/cell=0.5")["vertices"], 54);
+  // A whole object; a member that was not there; the last of two; a text.
+  EXPECT_EQ(run_with("2 --frames 0 --set '/bodies/0/mesh={\"shape\": \"box\", \"cell\": 1}'")["vertices"], 16);
+  EXPECT_EQ(run_with("3 --set /frames=3 --set /frames=1 --set /contact/mode=none")["frames"], 1);
+  EXPECT_EQ(run_with("4 --frames 0 --set /bodies/0/name=brick")["frames"], 0);
+  EXPECT_NE(read_text(file("run4/scene.json")).find("brick[1]"), std::string::npos);
+  // Another value is another scene.
+  expect_refused("simulate blocks.json -o run1 --resume", 2, {"another scene"});
+  EXPECT_EQ(run_with("1 --resume --set /frames=0 --set /bodies/0/mesh/cell=0.5")["frames"], 0);
+}
+
+TEST_F(Simulate, RefusesPlacesThatNoSceneHas) {
+  write_text(file("blocks.json"), kBlocks);
+  const auto refused = [&](const std::string& change, const std::vector<std::string>& words) {
+    expect_refused("simulate blocks.json -o run --set " + change, 2, words);
+  };
+  refused("/bodies/7/mesh/cell=1", {"/bodies/7/mesh/cell=1", "/bodies has no item '7'", "use 0 to 0"});
+  refused("/bodies/-/name=1", {"/bodies has no item '-'"});
+  refused("/bodies/0/mesh/lenght=3", {"bodies[0].mesh.lenght", "did you mean 'length'?"});
+  refused("/bodys/0/mesh/cell=3", {"bodys", "did you mean 'bodies'?"});
+  refused("/bodies/0/mesh/cell/x=3", {"/bodies/0/mesh/cell is 0.25, which has no 'x'"});
+  refused("/bodies/0/mesh/cell=fine", {"bodies[0].mesh.cell", "\"fine\" is no number"});
+  refused("/scales/paper=3", {"--scale"});
+  refused("/bodies/~2=3", {"'/bodies/~2' is no place"});
+  refused("frames=3", {"frames=3: does not say what to set", "/bodies/0/mesh/length=3"});
+  refused("/frames", {"/frames: does not say what to set"});
+  EXPECT_FALSE(fs::exists(file("run")));
+}
+
+TEST_F(Simulate, NamesBodiesInObj) {
+  write_text(file("two.json"), R"({"selvage_scene": 1, "bodies": [
+    {"name": "the box", "mesh": {"shape": "box", "cell": 1}},
+    {"name": "ball", "mesh": {"shape": "ball", "cell": 0.8}, "translate": [5, 0, 0]}]})");
+  run_well("simulate two.json -o run --frames 1 --surface obj -q");
+  const std::vector<std::string> lines = lines_of(read_text(file("run/surface/frame_000001.obj")));
+  EXPECT_EQ(std::count(lines.begin(), lines.end(), "o the_box"), 1);
+  const auto ball = std::find(lines.begin(), lines.end(), "o ball");
+  ASSERT_NE(ball, lines.end());
+  const auto is_face = [](const std::string& line) { return line[0] == 'f'; };
+  EXPECT_EQ(std::count_if(lines.begin(), ball, is_face), 12);
+  EXPECT_GT(std::count_if(ball, lines.end(), is_face), 20);
+}
+
 TEST_F(Simulate, RefusesWithOneLine) {
-  write_text(file("blocks.json"), kScene);
+  write_text(file("blocks.json"), kBlocks);
   write_text(file("wrong.json"), R"({"selvage_scene": 1, "bodies": [{"mesh": {"shape": "bux"}}]})");
   expect_refused("simulate wrong.json -o run", 2, {"wrong.json: bodies[0].mesh.shape", "box"});
   expect_refused("simulate none.json -o run", 2, {"none.json"});
-  std::string outside = kScene;
+  std::string outside = kBlocks;
   outside.replace(outside.find("\"point\": [0, 0, 0]"), 18, "\"point\": [0, 0, 9]");
   write_text(file("outside.json"), outside);
   expect_refused("simulate outside.json -o run", 2,
@@ -160,7 +209,7 @@ bool run_and_kill(const std::string& scene, const std::string& folder, std::chro
 }
 
 TEST_F(Simulate, KilledAtAnyMomentItEndsAsIfItHadNeverStopped) {
-  write_text(file("blocks.json"), kScene);
+  write_text(file("blocks.json"), kBlocks);
   const auto start = std::chrono::steady_clock::now();
   run_well("simulate blocks.json -o whole --vtu --check-every 3 -q");
   const auto whole_time =

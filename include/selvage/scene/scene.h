@@ -5,6 +5,7 @@
 #include "selvage/simulation/xpbd.h"
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -37,10 +38,15 @@ struct Scene {
 ///
 /// @param path   of the file
 /// @param scale  name of a scale that the scene has; empty: as the file stands
-/// @throws Error  one line: file, path within (as in bodies[2].material.poisson_ratio), what is wrong, what is allowed
-Scene read_scene(const std::filesystem::path& path, std::string_view scale = {});
+/// @param changes  values in place of the file's, after those of the scale, in this order: each a JSON pointer and a
+///                 value in JSON, or else a text, as in `/bodies/0/mesh/length=3`
+/// @throws Error  one line: file, path within (as in bodies[2].material.poisson_ratio), what is wrong, what is allowed;
+///                of a change whose place cannot be in a scene, the change
+Scene read_scene(const std::filesystem::path& path, std::string_view scale = {},
+                 std::span<const std::string> changes = {});
 
 /// The same for a text that is not in a file; `path` stands for it in errors and where meshes are looked for.
-Scene parse_scene(std::string_view text, const std::filesystem::path& path, std::string_view scale = {});
+Scene parse_scene(std::string_view text, const std::filesystem::path& path, std::string_view scale = {},
+                  std::span<const std::string> changes = {});
 
 }  // namespace selvage

@@ -76,6 +76,17 @@ struct ShapeOptions {
 /// tube, squishy-ball, octopus, gear, cloth. It also takes sphere for ball.
 std::span<const std::string_view> shape_names();
 
+/// Names of the curves that a rod may follow: straight, trefoil, nested-knot, coil, overhand, nested-overhand.
+std::span<const std::string_view> curve_names();
+
+/// Name of the shape that a rod along a curve is: rod (straight), noodle (coil), else the name of the curve.
+/// @throws Error  when there is no such curve
+std::string_view shape_along_curve(std::string_view curve);
+
+/// Moves a mesh so that the middle of the box around its vertices is the origin, up to rounding. Nothing happens to an
+/// empty one.
+void centre_at_origin(std::span<Vec3> positions);
+
 /// Makes a shape by its name.
 /// @throws Error  for an unknown name, an option that the shape does not have, or arguments that its maker refuses
 IndexedMesh make_shape(std::string_view name, const ShapeOptions& options = {});

@@ -21,6 +21,7 @@ namespace {
 struct SimulateOptions {
   CommonOptions common;
   std::string scene, scale, folder, surface;
+  std::vector<std::string> changes;
   std::int64_t frames = -1, check_every = 0;
   bool resume = false, vtu = false, no_report = false;
 };
@@ -28,6 +29,7 @@ struct SimulateOptions {
 constexpr const char* kSimulateExample =
     "  selvage simulate scenes/octopi_8_hybrid.json -o octopi --vtu\n"
     "  selvage simulate scenes/octopi_8_hybrid.json -o octopi --resume --frames 400\n"
+    "  selvage simulate scenes/long_noodle.json -o short --set /bodies/0/mesh/length=3 --set /substeps=10\n"
     "\n"
     "The folder holds, after each frame:\n"
     "  frames/frame_000012.bin  positions, after a header of 64 bytes:\n"
@@ -38,10 +40,10 @@ constexpr const char* kSimulateExample =
     "and at the end summary.json and report.html, a page for browsers that shows the run. Scenes and files are "
     "explained in docs/guides/simulate.md.";
 
-std::string frames_a_minute(double frames, double seconds) {
-  const double pace = 60 * frames / seconds;
-  return pace < 100 ? fmt::format("{:.2g} frames a minute", pace)
-                    : fmt::format("{} frames a minute", grouped(std::llround(pace)));
+/// How many a minute, in at most three digits where they are few.
+std::string per_minute(double count, double seconds) {
+  const double pace = 60 * count / seconds;
+  return pace < 100 ? fmt::format("{:.2g}", pace) : grouped(std::llround(pace));
 }
 
 const char* name_of(StepProgress::Phase phase) {
@@ -75,7 +77,8 @@ class FrameProgress {
     const auto done = static_cast<double>(frame - first_), left = static_cast<double>(last_ - frame);
     std::string note = fmt::format("{} of {}", frame, last_);
     if (done > 0)
-      note += fmt::format(", {:.3g} a minute, {} left", 60 * done / seconds, readable_duration(left * seconds / done));
+      note +=
+          fmt::format(", {} a minute, {} left", per_minute(done, seconds), readable_duration(left * seconds / done));
     show(frame, note);
   }
   void show_step(const StepProgress& step) {
@@ -204,8 +207,8 @@ void print_summary(const SimulateOptions& options, const Scene& scene, const Run
   table.add("inverted elements", grouped(last.inverted_elements));
   if (last.flat_elements > 0) table.add("flat elements", grouped(last.flat_elements));
   table.add("fastest vertex", fmt::format("{:.3g} m/s", last.fastest));
-  table.add("time", run > 0 ? fmt::format("{}, {}", readable_duration(seconds),
-                                          frames_a_minute(static_cast<double>(run), seconds))
+  table.add("time", run > 0 ? fmt::format("{}, {} frames a minute", readable_duration(seconds),
+                                          per_minute(static_cast<double>(run), seconds))
                             : readable_duration(seconds));
   table.add("files", options.folder);
   table.print();
@@ -229,7 +232,7 @@ void run_simulate(const SimulateOptions& options) {
   outputs.expect(options.common.json, {options.scene});
   if (std::filesystem::exists(options.folder) && !std::filesystem::is_directory(options.folder))
     throw Error(options.folder, "is a file", "name a folder for the run");
-  const Scene scene = read_scene(options.scene, options.scale);
+  const Scene scene = read_scene(options.scene, options.scale, options.changes);
   RunOptions run = run_options(options);
   FrameProgress progress(run.frames.value_or(scene.frames), options.common.quiet);
   const bool prints = !options.common.quiet && !outputs.uses_standard_output();
@@ -273,6 +276,12 @@ Command add_simulate(CLI::App& app) {
       ->type_name("N");
   sub->add_flag("--resume", options->resume, "Continue the run in the folder from its last frame, if it has one");
   sub->add_option("--scale", options->scale, "A scale of the scene, such as paper")->type_name("NAME");
+  sub->add_option("--set", options->changes,
+                  "Use another value than the scene's: its place as a JSON pointer, and JSON or a text; may be given "
+                  "several times, and comes after --scale")
+      ->take_all()
+      ->expected(1)
+      ->type_name("/PLACE=VALUE");
   sub->add_option("--check-every", options->check_every,
                   "Say every N frames what crosses, and write it by pairs of bodies to checks/frame_*.json")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000}))

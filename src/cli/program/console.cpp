@@ -42,17 +42,27 @@ void ProgressBar::clear() {
   drawn_.clear();
 }
 
-void ProgressBar::show(double fraction, std::string_view note) {
+std::string progress_line(std::string_view task, double fraction, std::string_view note, int columns) {
   constexpr int kMaxWidth = 30, kMinWidth = 8;
+  const std::string percent = fmt::format("{:3.0f}%", 100 * std::clamp(fraction, 0.0, 1.0));
+  const int others = static_cast<int>(task.size() + percent.size() + note.size()) + 6;
+  const int width = std::min(columns - others, kMaxWidth);
+  std::string line;
+  if (width < kMinWidth) {
+    line = fmt::format("{} {}  {}", task, percent, note);
+  } else {
+    const int filled = static_cast<int>(std::clamp(fraction, 0.0, 1.0) * width);
+    line = fmt::format("{} [{:=<{}}{:{}}] {}  {}", task, "", filled, "", width - filled, percent, note);
+  }
+  if (static_cast<int>(line.size()) > columns) line.resize(static_cast<std::size_t>(std::max(columns, 0)));
+  return line;
+}
+
+void ProgressBar::show(double fraction, std::string_view note) {
   const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   if (!visible_ || elapsed < 0.5) return;
-  const int columns = terminal_width(STDERR_FILENO, 80) - 1;  // a line that is full could not be wiped
-  const int others = static_cast<int>(task_.size() + note.size()) + 10;
-  const int width = std::clamp(columns - others, kMinWidth, kMaxWidth);
-  const int filled = static_cast<int>(std::clamp(fraction, 0.0, 1.0) * width);
-  std::string line =
-      fmt::format("{} [{:=<{}}{:{}}] {:3.0f}%  {}", task_, "", filled, "", width - filled, 100 * fraction, note);
-  line.resize(std::min<std::size_t>(line.size(), columns));
+  // A line that is full could not be wiped.
+  std::string line = progress_line(task_, fraction, note, terminal_width(STDERR_FILENO, 80) - 1);
   if (line == drawn_) return;
   fmt::print(stderr, "\r{}\033[K", line);
   std::fflush(stderr);

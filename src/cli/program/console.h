@@ -43,6 +43,10 @@ class ProgressBar {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+/// What a progress bar shows: the task, a bar, per cent, the note. Where there is too little room the bar becomes
+/// short, then goes; the note is cut only when it does not fit without.
+std::string progress_line(std::string_view task, double fraction, std::string_view note, int columns);
+
 /// Columns of the terminal behind a file descriptor; `otherwise` where it is none.
 int terminal_width(int descriptor, int otherwise);
 

@@ -15,7 +15,8 @@ struct MeshSource {
   std::filesystem::path file;  ///< empty: a shape
   std::string shape;
   ShapeOptions options;
-  std::string where;  ///< place in the scene, for errors
+  bool centre = false;  ///< move its middle to the origin
+  std::string where;    ///< place in the scene, for errors
 };
 
 /// Scaling, then turning, then shifting.
@@ -94,8 +95,10 @@ struct SceneDescription {
 /// @param text    the document
 /// @param file    its name, for errors; meshes are found relative to its folder
 /// @param scale   name of a scale that the scene has; empty: as it stands
+/// @param changes values in place of those in the document, see apply_change()
 /// @throws Error  one line with the file, the path within, what is wrong and what is allowed
-SceneDescription describe_scene(std::string_view text, const std::filesystem::path& file, std::string_view scale);
+SceneDescription describe_scene(std::string_view text, const std::filesystem::path& file, std::string_view scale,
+                                std::span<const std::string> changes = {});
 
 // The parts of describe_scene, each for one kind of object.
 MeshSource read_mesh_source(const JsonValue& value, const std::filesystem::path& folder);

@@ -142,8 +142,14 @@ MeshSource read_mesh_source(const JsonValue& value, const std::filesystem::path&
   } else {
     const auto names = shape_names();
     source.shape = names[chosen.choice(names)];
+    if (const auto v = object.find("curve")) {
+      if (source.shape != "rod") v->fail("is for rods only", "leave it out, or use the shape rod");
+      const auto curves = curve_names();
+      source.shape = shape_along_curve(curves[v->choice(curves)]);
+    }
     source.options = read_shape_options(object);
   }
+  if (const auto v = object.find("centre")) source.centre = v->boolean();
   object.refuse_others();
   return source;
 }

@@ -1,3 +1,4 @@
+#include "scene/description/replaced_values.h"
 #include "scene/description/scene_description.h"
 #include "selvage/core/error.h"
 
@@ -173,48 +174,6 @@ void read_solver(JsonObject& object, SceneDescription& scene) {
   if (const auto v = object.find("start_outside")) scene.allow_start_outside = v->choice(kAnswers) == 1;
 }
 
-/// Replaces the values that a scale names by their places (JSON pointers).
-void apply_scale(Json& scene, const JsonValue& replacements) {
-  if (!replacements.json().is_object()) replacements.fail("is no object", "use {\"/place/in/the/scene\": value, ...}");
-  for (const auto& [key, value] : replacements.json().items()) {
-    const JsonValue item = replacements.member(key);
-    try {
-      const Json::json_pointer place(key);
-      const bool inside = !place.empty() && place.back() != "-" && scene.contains(place.parent_pointer());
-      const bool added = inside && scene.at(place.parent_pointer()).is_object();
-      if (!added && !(inside && scene.contains(place)))
-        item.fail("is no place in the scene", "name one, as /bodies/0/mesh/cell");
-      scene[place] = value;
-    } catch (const nlohmann::json::exception&) {
-      item.fail("is no place in the scene", "name one, as /bodies/0/mesh/cell");
-    }
-  }
-}
-
-/// The document at the scale, without the scales.
-Json choose_scale(Json document, const std::string& file, std::string_view scale) {
-  const JsonValue root(document, file);
-  std::vector<std::string> names;
-  Json chosen = Json::object();
-  std::string path;
-  if (root.json().is_object() && root.json().contains("scales")) {
-    const JsonValue scales = root.member("scales");
-    if (!scales.json().is_object()) scales.fail("is no object", "use {\"name\": {...}, ...}");
-    for (const auto& [name, value] : scales.json().items()) {
-      names.push_back(name);
-      if (name != scale) continue;
-      path = scales.member(name).path();
-      chosen = value;
-    }
-  }
-  if (!scale.empty() && std::find(names.begin(), names.end(), scale) == names.end())
-    throw Error(file, fmt::format("has no scale '{}'", scale),
-                names.empty() ? "it has none" : fmt::format("use one of {}", fmt::join(names, ", ")));
-  if (document.is_object()) document.erase("scales");
-  apply_scale(document, JsonValue(chosen, file, path));
-  return document;
-}
-
 /// The document without members that do not change a run.
 std::string canonical_text(Json document) {
   for (const char* key : {"frames", "description", "$schema", "start_outside"}) document.erase(key);
@@ -287,8 +246,10 @@ void read_contact(const JsonValue& value, SceneDescription& scene) {
   object.refuse_others();
 }
 
-SceneDescription describe_scene(std::string_view text, const std::filesystem::path& file, std::string_view scale) {
-  const Json document = choose_scale(parse_json(text, file.string()), file.string(), scale);
+SceneDescription describe_scene(std::string_view text, const std::filesystem::path& file, std::string_view scale,
+                                std::span<const std::string> changes) {
+  Json document = choose_scale(parse_json(text, file.string()), file.string(), scale);
+  for (const std::string& change : changes) apply_change(document, change);
   JsonObject object(JsonValue(document, file.string()));
   SceneDescription scene;
   object.get("selvage_scene").integer(1, 1);

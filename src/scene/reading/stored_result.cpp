@@ -4,6 +4,7 @@
 #include "io/whole_file.h"
 #include "scene/reading/shown_surface.h"
 #include "selvage/core/error.h"
+#include "selvage/mesh/weld.h"
 
 #include <fmt/format.h>
 
@@ -25,9 +26,9 @@ Marks discrete_marks(const StoredResult& result) {
   const Json &pairs = result.list("triangle_pairs"), &contacts = result.list("contacts");
   if (contacts.size() != pairs.size()) result.refuse("has other numbers of pairs and contacts");
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const auto triangle = [&](std::size_t k) { return result.number(pairs[i], k, result.triangles.size()); };
     if (!contacts[i].is_string()) result.refuse("has a contact without a name");
-    marks.pairs.push_back({{triangle(0), triangle(1)}, kind_of(contacts[i])});
+    const Index second = result.triangle(pairs[i], 1, result.has_second());
+    marks.pairs.push_back({{result.triangle(pairs[i], 0), second}, kind_of(contacts[i])});
   }
   return marks;
 }
@@ -65,20 +66,21 @@ class TriangleFinder {
   std::unordered_map<std::uint64_t, Index> of_edge_;
 };
 
-Marks continuous_marks(const StoredResult& result) {
-  Marks marks;
+/// Adds pairs of a vertex and a face, and of two edges.
+void add_feature_marks(const StoredResult& result, Marks& marks) {
   const TriangleFinder triangles(result);
-  const std::size_t vertices = result.mesh.positions.size();
-  for (const Json& pair : result.list("vertex_face")) {
-    const Index v = result.number(pair, 0, vertices), f = result.number(pair, 1, result.triangles.size());
+  const bool two = result.has_second();
+  const auto add = [&](Index v, Index f) {
     marks.pairs.push_back({{triangles.of_vertex(v), f}, MarkKind::kVertexFace, {v, f, kNone, kNone}});
-  }
+  };
+  for (const Json& pair : result.list("vertex_face")) add(result.vertex(pair, 0), result.triangle(pair, 1, two));
+  if (two)
+    for (const Json& pair : result.list("face_vertex")) add(result.vertex(pair, 1, true), result.triangle(pair, 0));
   for (const Json& pair : result.list("edge_edge")) {
     std::array<Index, 4> e{};
-    for (std::size_t i = 0; i < 4; ++i) e[i] = result.number(pair, i, vertices);
+    for (std::size_t i = 0; i < 4; ++i) e[i] = result.vertex(pair, i, two && i > 1);
     marks.pairs.push_back({{triangles.of_edge(e[0], e[1]), triangles.of_edge(e[2], e[3])}, MarkKind::kEdgeEdge, e});
   }
-  return marks;
 }
 
 Marks path_marks(const StoredResult& result) {
@@ -115,14 +117,30 @@ StoredResult::StoredResult(const fs::path& path, const fs::path& after) : path_(
   if (json_.value("schema", 0) != 1) refuse("has another schema than 1");
   mesh = read_mesh(find(text("mesh")));
   triangles = surface_triangles(mesh);
+  first_vertices_ = mesh.positions.size();
+  first_triangles_ = triangles.size();
   if (kind_ == "continuous") {
     end_pose = read_pose(text("to"));
   } else if (kind_ == "resolve") {
     if (after.empty() && !has("output")) refuse("names no mesh that was written, since the mesh was not resolved");
     end_pose = read_pose(after.empty() ? fs::path(text("output")) : after);
-  } else if (kind_ != "discrete" && kind_ != "paths") {
+  } else if (kind_ != "discrete" && kind_ != "near" && kind_ != "paths") {
     refuse(fmt::format("is of the kind '{}', which cannot be shown", kind_));
   }
+  if (has_second()) add_second_mesh();
+  if (!has("weld")) return;
+  const std::vector<Index> first =
+      find_first_in_place(mesh.positions, end_pose ? std::span<const Vec3>(*end_pose) : std::span<const Vec3>());
+  for (auto& triangle : triangles)
+    for (Index& v : triangle) v = first[static_cast<std::size_t>(v)];
+}
+
+void StoredResult::add_second_mesh() {
+  const IndexedMesh second = read_mesh(find(text("against")));
+  const auto shift = static_cast<Index>(first_vertices_);
+  for (const auto& [a, b, c] : surface_triangles(second)) triangles.push_back({a + shift, b + shift, c + shift});
+  for (std::vector<Vec3>* pose : {&mesh.positions, end_pose ? &*end_pose : nullptr})
+    if (pose != nullptr) pose->insert(pose->end(), second.positions.begin(), second.positions.end());
 }
 
 std::string StoredResult::text(const char* key) const {
@@ -139,10 +157,23 @@ fs::path StoredResult::find(const fs::path& name) const {
 /// Positions of the same mesh in another file.
 std::vector<Vec3> StoredResult::read_pose(const fs::path& name) const {
   IndexedMesh other = read_mesh(find(name));
+  if (other.tetrahedra.empty() && !mesh.tetrahedra.empty()) return place_boundary(other, name);
   if (other.positions.size() != mesh.positions.size() || surface_triangles(other) != triangles)
     throw Error(name.string(), fmt::format("has other vertices or elements than {}", text("mesh")),
                 "give the same mesh in another pose");
   return std::move(other.positions);
+}
+
+/// The mesh with its boundary where a surface has it, as `resolve` writes one; what is inside is not shown.
+std::vector<Vec3> StoredResult::place_boundary(const IndexedMesh& surface, const fs::path& name) const {
+  const ShownSurface boundary(mesh.positions.size(), triangles);
+  if (boundary.vertices.size() != surface.positions.size() || boundary.triangles != surface.triangles)
+    throw Error(name.string(), fmt::format("is not the boundary of {}", text("mesh")),
+                "give the mesh that resolve wrote, as .obj, .ply or .off");
+  std::vector<Vec3> positions = mesh.positions;
+  for (std::size_t i = 0; i < boundary.vertices.size(); ++i)
+    positions[static_cast<std::size_t>(boundary.vertices[i])] = surface.positions[i];
+  return positions;
 }
 
 const Json& StoredResult::list(const char* key) const {
@@ -156,13 +187,27 @@ Index StoredResult::number(const Json& items, std::size_t i, std::size_t end) co
   return items[i];
 }
 
+Index StoredResult::vertex(const Json& items, std::size_t i, bool of_second) const {
+  if (!of_second) return number(items, i, first_vertices_);
+  return static_cast<Index>(first_vertices_) + number(items, i, mesh.positions.size() - first_vertices_);
+}
+
+Index StoredResult::triangle(const Json& items, std::size_t i, bool of_second) const {
+  if (!of_second) return number(items, i, first_triangles_);
+  return static_cast<Index>(first_triangles_) + number(items, i, triangles.size() - first_triangles_);
+}
+
 void StoredResult::refuse(const std::string& what) const {
   throw Error(path_.string(), what, "write it anew with --json, of the mesh as it is");
 }
 
 Marks StoredResult::find_marks() const {
-  if (kind_ == "discrete") return discrete_marks(*this);
-  if (kind_ == "continuous") return continuous_marks(*this);
+  if (kind_ == "discrete" || kind_ == "near" || kind_ == "continuous") {
+    Marks marks;
+    if (kind_ != "continuous") marks = discrete_marks(*this);
+    if (kind_ != "discrete") add_feature_marks(*this, marks);
+    return marks;
+  }
   if (kind_ == "paths") return path_marks(*this);
   if (mesh.tetrahedra.empty()) return {};
   const TetMesh solid(static_cast<Index>(mesh.positions.size()), mesh.tetrahedra);
