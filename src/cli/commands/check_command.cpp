@@ -2,16 +2,14 @@
 #include "cli/program/console.h"
 #include "cli/program/memory.h"
 #include "cli/program/output.h"
+#include "cli/reports/collision_marks.h"
 #include "cli/reports/collision_report.h"
-#include "core/parallel.h"
 #include "selvage/core/error.h"
-#include "selvage/io/vtu.h"
-#include "selvage/mesh/simplex_mesh.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <exception>
+#include <cmath>
 #include <memory>
 
 namespace selvage::cli {
@@ -20,8 +18,10 @@ namespace {
 
 struct CheckOptions {
   CommonOptions common;
-  std::string mesh, end_mesh, method = "auto", vtu;
-  bool adjacent = false, segments = false;
+  std::string mesh, end_mesh, against, method = "auto", groups, vtu, ply, picture;
+  std::optional<double> thickness;
+  int rings = 0;
+  bool adjacent = false, segments = false, weld = false;
 };
 
 constexpr const char* kCheckExample =
@@ -29,140 +29,139 @@ constexpr const char* kCheckExample =
     "  selvage make rod --pose self-crossing -o bent.vtu\n"
     "  selvage check bent.vtu --adjacent --json pairs.json --vtu marked.vtu\n"
     "  selvage check rod.vtu --to bent.vtu\n"
+    "  selvage check bent.vtu --thickness 0.02 --rings 2 --picture near.png\n"
+    "  selvage make ball --radius 0.5 -o ball.vtu\n"
+    "  selvage check rod.vtu --against ball.vtu --ply marked.ply\n"
     "\n"
-    "Exit status: 0 no collision, 1 collisions, 2 bad usage or bad input, 3 the computation failed.\n"
+    "Exit status: 0 no pair, 1 pairs, 2 bad usage or bad input, 3 the computation failed.\n"
     "\n"
     "In JSON, `triangle_pairs` are pairs of triangle numbers, from 0, in the order of the file; of a tetrahedral "
     "mesh, in the order of `triangles`, which lists their vertices. `contacts` gives the kind of each pair: "
     "crossing, touching or a coplanar overlap. With --segments, `segments` has for each pair the ends of what both "
     "triangles have in common, or null where they overlap in one plane. With --to, `vertex_face` are pairs of a vertex "
     "and a triangle, `edge_edge` the vertices of two edges, and `free_step` is the largest fraction of the step "
-    "without collisions. The .vtu file holds the surface with the number of each triangle's pairs in `collisions`.";
+    "without collisions. With --thickness these two lists are of what is nearer, and beside each stand the distances, "
+    "as `vertex_face_distances`. With --against, the first number of a pair is of MESH, the second of B; `face_vertex` "
+    "are pairs of a triangle of MESH and a vertex of B. Of files with polygons, `faces` gives the file's face, from 0, "
+    "of each triangle, and `face_pairs` the pairs of faces.\n"
+    "The .vtu file holds the surface with the number of each triangle's pairs in `collisions`, the .ply file colours: "
+    "vermilion meets something, yellow is nearer than the thickness. `selvage render pairs.json` draws from other "
+    "sides.";
 
-/// The triangles that are checked: a surface's own, or the boundary of a tetrahedral mesh.
-TriangleMesh surface_of(IndexedMesh& file) {
-  const auto vertex_count = static_cast<Index>(file.positions.size());
-  if (file.tetrahedra.empty()) return {vertex_count, std::move(file.triangles)};
-  return boundary_surface(TetMesh(vertex_count, std::move(file.tetrahedra)));
+void expect_extension(const std::string& path, const char* option, const char* extension) {
+  if (path.empty() || std::filesystem::path(path).extension() == extension) return;
+  throw Error(path, fmt::format("{} writes {} files only", option, extension), "give it that extension");
 }
 
-/// Reads the mesh, and with `--to` beside it the positions at the end of the step: of a mesh that is the same but for
-/// them.
-std::pair<IndexedMesh, std::vector<Vec3>> read_poses(const CheckOptions& options) {
-  IndexedMesh start, end;
-  if (options.end_mesh.empty()) return {read_mesh(options.mesh), {}};
-  std::exception_ptr wrong_with_end;  // said only where nothing is wrong with the start
-  parallel_invoke([&] { start = read_mesh(options.mesh); },
-                  [&] {
-                    try {
-                      end = read_mesh(options.end_mesh);
-                    } catch (...) {
-                      wrong_with_end = std::current_exception();
-                    }
-                  });
-  if (wrong_with_end) std::rethrow_exception(wrong_with_end);
-  if (end.positions.size() != start.positions.size())
-    throw Error(
-        options.end_mesh,
-        fmt::format("has {} vertices, and {} has {}", end.positions.size(), options.mesh, start.positions.size()),
-        "give two poses of one mesh");
-  if (end.triangles != start.triangles || end.tetrahedra != start.tetrahedra)
-    throw Error(options.end_mesh, fmt::format("has other elements than {}", options.mesh),
-                "give two poses of one mesh");
-  return {std::move(start), std::move(end.positions)};
+/// Refuses options that have no meaning together.
+void check_options(const CheckOptions& options) {
+  culling_method(options.method);
+  const auto refuse = [](bool wrong, const char* option, const char* why, const char* remedy) {
+    if (wrong) throw Error(option, why, remedy);
+  };
+  const bool moves = !options.end_mesh.empty(), has_two = !options.against.empty();
+  refuse(options.adjacent && moves, "--adjacent", "does not apply to a step", "leave out --adjacent or --to");
+  refuse(options.segments && moves, "--segments", "does not apply to a step", "leave out --segments or --to");
+  refuse(options.segments && options.common.json.empty(), "--segments", "has no effect without --json",
+         "add --json FILE");
+  refuse(options.adjacent && has_two, "--adjacent", "has no meaning for two meshes", "leave out --adjacent");
+  refuse(options.rings > 0 && has_two, "--rings", "has no meaning for two meshes", "leave out --rings");
+  refuse(!options.groups.empty() && has_two, "--groups", "has no meaning for two meshes", "leave out --groups");
+  if (options.thickness && !(*options.thickness > 0 && std::isfinite(*options.thickness)))
+    throw Error("--thickness", fmt::format("is {}", *options.thickness), "give a length above 0");
+  expect_extension(options.vtu, "--vtu", ".vtu");
+  expect_extension(options.ply, "--ply", ".ply");
+  expect_extension(options.picture, "--picture", ".png");
 }
 
-/// Shows how far each phase of a check has come.
-class CheckProgress {
- public:
-  explicit CheckProgress(bool quiet) : bar_("collisions", quiet) {}
+void expect_outputs(const CheckOptions& options, OutputFiles& outputs) {
+  std::vector<std::filesystem::path> inputs;
+  for (const std::string* mesh : {&options.mesh, &options.end_mesh, &options.against})
+    if (!mesh->empty())
+      for (const auto& path : files_of_mesh(*mesh)) inputs.push_back(path);
+  if (!options.groups.empty()) inputs.emplace_back(options.groups);
+  for (const std::string* path : {&options.common.json, &options.vtu, &options.ply, &options.picture})
+    outputs.expect(*path, inputs);
+}
 
-  /// @param from, to  the phase's part of the bar
-  void begin(std::string_view phase, double from, double to) {
-    phase_ = phase;
-    from_ = from;
-    to_ = to;
-    show(0);
+CollisionReport search(const CheckOptions& options, Stopwatch& watch) {
+  CheckedSurface first = read_checked_surface(options.mesh, options.end_mesh, options.weld, watch);
+  CollisionRequest request;
+  request.method = options.method;
+  request.thickness = options.thickness.value_or(0);
+  request.adjacent = options.adjacent;
+  request.segments = options.segments;
+  request.filters.neighbour_rings = options.rings;
+  if (!options.groups.empty()) request.filters.groups = read_groups(options.groups, first);
+  std::optional<CheckedSurface> second;
+  if (!options.against.empty()) {
+    Stopwatch unused;
+    second = read_checked_surface(options.against, "", options.weld, unused);
+    watch.lap("against");
   }
-  void show(double share) { bar_.show(from_ + share * (to_ - from_), phase_); }
-
- private:
-  ProgressBar bar_;
-  std::string_view phase_ = "hierarchy";
-  double from_ = 0, to_ = 0;
-};
-
-CollisionReport find_collisions(const CheckOptions& options, IndexedMesh file, std::span<const Vec3> end,
-                                Stopwatch& watch) {
-  CollisionReport report;
-  report.mesh = options.mesh;
-  report.end_mesh = options.end_mesh;
-  report.method = options.method;
-  report.has_segments = options.segments;
-  report.solid = !file.tetrahedra.empty();
-  report.surface = surface_of(file);
-  report.positions = std::move(file.positions);
-  watch.lap("topology");
-  SelfCollisionOptions asked;
-  asked.method = culling_method(options.method);
-  // One pose is compared in less time than it takes to find out where there is no need to.
-  if (asked.method == CullingMethod::kAuto && options.end_mesh.empty()) asked.method = CullingMethod::kBvh;
-  asked.asked_once = true;
-  asked.include_adjacent = options.adjacent;
-  CheckProgress progress(options.common.quiet);
-  asked.on_progress = [&](double share) { progress.show(share); };
-  if (options.end_mesh.empty()) {
-    const SelfCollisionFinder finder(report.surface, report.positions, std::move(asked));
-    watch.lap("hierarchy");
-    progress.begin("looking for pairs", 0.3, options.segments ? 0.8 : 1);
-    report.pairs = finder.find_pairs(&report.counters);
-    watch.lap("pairs");
-    if (options.segments) {
-      progress.begin("segments", 0.8, 1);
-      report.segments = finder.find_segments(report.pairs);
-      watch.lap("segments");
-    }
-    return report;
-  }
-  const ContinuousCollisionFinder finder(report.surface, report.positions, end, std::move(asked));
-  watch.lap("hierarchy");
-  progress.begin("looking for pairs", 0.2, 0.8);
-  report.moving_pairs = finder.find_pairs(&report.moving_counters);
-  watch.lap("pairs");
-  progress.begin("times of impact", 0.8, 1);
-  report.free_step = finder.find_free_step(report.moving_pairs);
-  watch.lap("impact");
-  return report;
+  ProgressBar bar("collisions", options.common.quiet);
+  request.on_progress = [&](std::string_view phase, double share) { bar.show(share, phase); };
+  return find_collisions(std::move(first), std::move(second), options.end_mesh, std::move(request), watch);
 }
 
 int run_check(const CheckOptions& options) {
   Stopwatch watch;
   take_large_pages();
-  culling_method(options.method);
+  check_options(options);
   OutputFiles outputs;
-  std::vector<std::filesystem::path> inputs = files_of_mesh(options.mesh);
-  if (!options.end_mesh.empty())
-    for (const auto& path : files_of_mesh(options.end_mesh)) inputs.push_back(path);
-  outputs.expect(options.common.json, inputs);
-  outputs.expect(options.vtu, inputs);
-  if (options.adjacent && !options.end_mesh.empty())
-    throw Error("--adjacent", "does not apply to a step", "leave out --adjacent or --to");
-  if (options.segments && !options.end_mesh.empty())
-    throw Error("--segments", "does not apply to a step", "leave out --segments or --to");
-  if (options.segments && options.common.json.empty())
-    throw Error("--segments", "has no effect without --json", "add --json FILE");
-  if (!options.vtu.empty() && std::filesystem::path(options.vtu).extension() != ".vtu")
-    throw Error(options.vtu, "--vtu writes .vtu files only", "give it that extension");
-  auto [file, end] = read_poses(options);
-  watch.lap("read");
-  const CollisionReport report = find_collisions(options, std::move(file), end, watch);
+  expect_outputs(options, outputs);
+  const CollisionReport report = search(options, watch);
+  std::optional<Image> image;
+  if (!options.picture.empty()) {
+    image = draw_collisions(report);
+    watch.lap("picture");
+  }
   if (!options.common.json.empty()) outputs.write_text(options.common.json, print_json(report, watch));
   if (!options.vtu.empty())
     outputs.write_file(options.vtu, [&](const auto& path) { write_vtu(path, mark_collisions(report)); });
+  if (!options.ply.empty()) {
+    const ColouredSurface coloured = colour_collisions(report);
+    outputs.write_file(options.ply, [&](const auto& path) {
+      write_coloured_ply(path, coloured.mesh, coloured.vertices, coloured.triangles);
+    });
+  }
+  if (image) outputs.write_file(options.picture, [&](const auto& path) { write_png(path, *image); });
   outputs.commit();
   watch.lap("write");
   if (!options.common.quiet && !outputs.uses_standard_output()) print_summary(report, watch);
   return report.is_clean() ? kDone : kCollisions;
+}
+
+void add_searches(CLI::App& app, CheckOptions& options) {
+  app.add_option("--to", options.end_mesh,
+                 "Find pairs (vertex and face, edge and edge) that meet while each vertex moves on a straight line "
+                 "from MESH to MESH1, the same mesh in another pose")
+      ->type_name("MESH1");
+  app.add_option("--against", options.against,
+                 "Find pairs between MESH and another mesh, as of a garment and a body, and none within either; with "
+                 "--to this one stands still")
+      ->type_name("B");
+  app.add_option("--thickness", options.thickness,
+                 "Find also what is nearer than that without meeting: a vertex and a face, two edges, with their "
+                 "distances; during a step what comes nearer [m]")
+      ->type_name("T");
+  app.add_option("--groups", options.groups,
+                 "Leave out pairs within a group: pieces (those that hang together), names (objects and groups of an "
+                 ".obj), or a file with a whole number for each face, one a line, -1: in no group")
+      ->type_name("HOW");
+  app.add_option("--rings", options.rings, "Leave out pairs that a path of N edges or fewer joins")
+      ->check(CLI::Range(0, 1000))
+      ->type_name("N");
+  app.add_flag("--weld", options.weld,
+               "Join vertices that are in one place, as of an STL file, where no triangles share any");
+  app.add_flag("--adjacent", options.adjacent,
+               "Find also the pairs of triangles that share a vertex or an edge and meet anywhere else");
+  app.add_option(
+         "--method", options.method,
+         fmt::format("How pairs are culled: {}. dual-cone, dual-cone-internal and "
+                     "enhanced-dual-cone-published follow their papers and may miss pairs; all others find every pair",
+                     fmt::join(culling_method_names(), ", ")))
+      ->type_name("NAME");
 }
 
 }  // namespace
@@ -175,22 +174,15 @@ Command add_check(CLI::App& app) {
                      "pairs of triangles that meet, exactly. Exit status 1 if there are any.",
                      kCheckExample);
   sub->add_option("mesh", options->mesh, "Mesh file")->required()->type_name("MESH");
-  sub->add_option("--to", options->end_mesh,
-                  "Find pairs (vertex and face, edge and edge) that meet while each vertex moves on a straight line "
-                  "from MESH to MESH1, the same mesh in another pose")
-      ->type_name("MESH1");
-  sub->add_option(
-         "--method", options->method,
-         fmt::format("How pairs are culled: {}. dual-cone, dual-cone-internal and "
-                     "enhanced-dual-cone-published follow their papers and may miss pairs; all others find every pair",
-                     fmt::join(culling_method_names(), ", ")))
-      ->type_name("NAME");
-  sub->add_flag("--adjacent", options->adjacent,
-                "Find also the pairs of triangles that share a vertex or an edge and meet anywhere else");
+  add_searches(*sub, *options);
   sub->add_flag("--segments", options->segments,
                 "With --json: write also the segment in which the two triangles of each pair meet, by its ends");
   sub->add_option("--vtu", options->vtu, "Write the surface with the colliding triangles marked, for ParaView")
       ->type_name("FILE.vtu");
+  sub->add_option("--ply", options->ply, "Write the surface with what collides in colours, for Blender or MeshLab")
+      ->type_name("FILE.ply");
+  sub->add_option("--picture", options->picture, "Draw the surface with what collides in colour")
+      ->type_name("FILE.png");
   return {sub, &options->common, [options] { return run_check(*options); }};
 }
 

@@ -1,76 +1,15 @@
 #include "cli/reports/collision_report.h"
-#include "core/json.h"
+
+#include "cli/reports/collision_marks.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 namespace selvage::cli {
 
 namespace {
-
-constexpr std::array<const char*, 4> kContactNames{"near", "touching", "crossing", "coplanar overlap"};
-
-const char* contact_name(TriangleContact contact) {
-  return kContactNames[static_cast<std::size_t>(contact)];
-}
-
-/// Lists as text, one entry a line: there can be millions.
-template <typename Items, typename Print>
-std::string print_list(const Items& items, Print&& print) {
-  fmt::memory_buffer out;
-  fmt::format_to(std::back_inserter(out), "[");
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    fmt::format_to(std::back_inserter(out), "{}\n  ", i ? "," : "");
-    print(std::back_inserter(out), items[i]);
-  }
-  fmt::format_to(std::back_inserter(out), "{}]", items.empty() ? "" : "\n ");
-  return fmt::to_string(out);
-}
-
-/// Calls `visit(triangle)` for each triangle of each pair, and for each vertex that meets a face and each edge the
-/// vertices with `visit_vertex(vertex)`.
-template <typename Visit, typename VisitVertex>
-void visit_pairs(const CollisionReport& report, Visit&& visit, VisitVertex&& visit_vertex) {
-  for (const TrianglePair& pair : report.pairs) {
-    visit(pair.first);
-    visit(pair.second);
-  }
-  for (const VertexFacePair& pair : report.moving_pairs.vertex_face) {
-    visit_vertex(pair.vertex);
-    visit(pair.face);
-  }
-  for (const EdgeEdgePair& pair : report.moving_pairs.edge_edge)
-    for (const Index e : {pair.first, pair.second})
-      for (const Index v : report.surface.edges()[e]) visit_vertex(v);
-}
-
-/// In how many pairs each triangle is, and each vertex by itself or in an edge.
-struct PairCounts {
-  std::vector<std::int64_t> of_triangles, of_vertices;
-
-  explicit PairCounts(const CollisionReport& report)
-      : of_triangles(report.surface.triangles().size(), 0), of_vertices(report.positions.size(), 0) {
-    visit_pairs(
-        report, [&](Index t) { ++of_triangles[t]; }, [&](Index v) { ++of_vertices[v]; });
-  }
-};
-
-/// The corners of the box around all that collides, at the start of the step.
-std::pair<Vec3, Vec3> place_of(const CollisionReport& report) {
-  Vec3 lower = Vec3::Constant(HUGE_VAL), upper = -lower;
-  const auto add = [&](Index v) {
-    lower = lower.cwiseMin(report.positions[v]);
-    upper = upper.cwiseMax(report.positions[v]);
-  };
-  visit_pairs(
-      report,
-      [&](Index t) {
-        for (const Index v : report.surface.triangles()[t]) add(v);
-      },
-      add);
-  return {lower, upper};
-}
 
 std::int64_t count_all(const CollisionReport& report) {
   return std::ssize(report.pairs) + std::ssize(report.moving_pairs.vertex_face) +
@@ -87,129 +26,78 @@ std::string print_kinds(const CollisionReport& report) {
     add(std::count_if(report.pairs.begin(), report.pairs.end(),
                       [&](const TrianglePair& pair) { return pair.contact == contact; }),
         contact_name(contact));
+  if (!report.moves()) return text;
   add(std::ssize(report.moving_pairs.vertex_face), "of a vertex and a face");
   add(std::ssize(report.moving_pairs.edge_edge), "of two edges");
   return text;
 }
 
-Json statistics_json(const CollisionReport& report, const SelfCollisionCounters& c) {
-  return {{"triangles", report.surface.triangles().size()},
-          {"pairs", report.pairs.size()},
-          {"node_pairs", c.node_pairs},
-          {"box_pairs", c.box_pairs},
-          {"adjacent_pairs", c.adjacent_pairs},
-          {"tested_nodes", c.tested_nodes},
-          {"culled_nodes", c.culled_nodes},
-          {"culled_triangles", c.culled_triangles},
-          {"exact_tests", c.exact_tests}};
+std::string print_near(const CollisionReport& report) {
+  double least = HUGE_VAL;
+  for (const NearVertexFace& pair : report.near.vertex_face) least = std::min(least, pair.distance);
+  for (const NearEdges& pair : report.near.edge_edge) least = std::min(least, pair.distance);
+  const std::string within = fmt::format("within {:.6g} m", report.thickness);
+  if (report.near.empty()) return "none " + within;
+  return fmt::format("{} of a vertex and a face, {} of two edges {}; least {:.6g} m",
+                     grouped(std::ssize(report.near.vertex_face)), grouped(std::ssize(report.near.edge_edge)), within,
+                     least);
 }
 
-Json statistics_json(const CollisionReport& report, const ContinuousCounters& c) {
-  return {{"triangles", report.surface.triangles().size()},
-          {"vertex_face", report.moving_pairs.vertex_face.size()},
-          {"edge_edge", report.moving_pairs.edge_edge.size()},
-          {"node_pairs", c.node_pairs},
-          {"box_pairs", c.box_pairs},
-          {"vertex_face_boxes", c.vertex_face_boxes},
-          {"edge_edge_boxes", c.edge_edge_boxes},
-          {"tested_nodes", c.tested_nodes},
-          {"culled_nodes", c.culled_nodes},
-          {"culled_triangles", c.culled_triangles},
-          {"exact_tests", c.exact_tests}};
+std::string print_mesh(const CheckedSurface& mesh, Index triangles, bool has_polygons) {
+  std::string text =
+      fmt::format("{}, {} {}", mesh.file, grouped(triangles), mesh.is_solid ? "boundary triangles" : "triangles");
+  if (has_polygons && triangles > 0 && !mesh.faces.empty())
+    text += fmt::format(" of {} faces", grouped(1 + *std::max_element(mesh.faces.begin(), mesh.faces.end())));
+  return text;
 }
 
-std::string print_triangle_pairs(const CollisionReport& report) {
-  return ",\n \"triangle_pairs\": " +
-         print_list(
-             report.pairs,
-             [](auto out, const TrianglePair& pair) { fmt::format_to(out, "[{},{}]", pair.first, pair.second); }) +
-         ",\n \"contacts\": " + print_list(report.pairs, [](auto out, const TrianglePair& pair) {
-           fmt::format_to(out, "\"{}\"", contact_name(pair.contact));
-         });
+/// How many triangles, or faces of a file with polygons, are in pairs, and which is in the most.
+void add_parts(const CollisionReport& report, Table& table) {
+  const std::vector<std::int64_t> counts = PairCounts(report).of_triangles;
+  const char* const part = report.has_polygons() ? "face" : "triangle";
+  std::map<std::pair<bool, Index>, std::int64_t> of_faces;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const auto t = static_cast<Index>(i);
+    if (counts[i] > 0) of_faces[{report.is_of_second_mesh(t), report.face_in_file(t)}] += counts[i];
+  }
+  if (of_faces.empty()) return;
+  const auto most = std::max_element(of_faces.begin(), of_faces.end(),
+                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  const bool is_second = most->first.first;
+  table.add(fmt::format("{}s in pairs", part),
+            fmt::format("{}; {} {}{} has the most pairs, {}", grouped(std::ssize(of_faces)), part, most->first.second,
+                        report.second ? " of " + (is_second ? *report.second : report.first).file : "",
+                        grouped(most->second)));
 }
 
-std::string print_segments(const CollisionReport& report) {
-  return ",\n \"segments\": " + print_list(report.segments, [](auto out, const CommonSegment& segment) {
-           if (!segment) {
-             fmt::format_to(out, "null");
-             return;
-           }
-           const auto& [p, q] = *segment;
-           fmt::format_to(out, "[[{},{},{}],[{},{},{}]]", p[0], p[1], p[2], q[0], q[1], q[2]);
-         });
-}
-
-std::string print_moving_pairs(const CollisionReport& report) {
-  const ContinuousPairs& pairs = report.moving_pairs;
-  return ",\n \"vertex_face\": " +
-         print_list(
-             pairs.vertex_face,
-             [](auto out, const VertexFacePair& pair) { fmt::format_to(out, "[{},{}]", pair.vertex, pair.face); }) +
-         ",\n \"edge_edge\": " + print_list(pairs.edge_edge, [&](auto out, const EdgeEdgePair& pair) {
-           const auto &a = report.surface.edges()[pair.first], &b = report.surface.edges()[pair.second];
-           fmt::format_to(out, "[{},{},{},{}]", a[0], a[1], b[0], b[1]);
-         });
-}
-
-}  // namespace
-
-std::string print_json(const CollisionReport& report, const Stopwatch& watch) {
-  const bool moves = !report.end_mesh.empty();
-  Json head{{"schema", 1}, {"kind", moves ? "continuous" : "discrete"}, {"mesh", report.mesh}};
-  if (moves) head["to"] = report.end_mesh;
-  head["method"] = report.method;
-  Json tail;
-  if (moves) tail["free_step"] = report.free_step;
-  tail["statistics"] =
-      moves ? statistics_json(report, report.moving_counters) : statistics_json(report, report.counters);
-  for (const auto& [phase, seconds] : watch.laps()) tail["seconds"][phase] = seconds;
-  tail["seconds"]["total"] = watch.total();
-  std::string text = head.dump(1);
-  text.resize(text.rfind('\n'));
-  if (report.solid)
-    text += ",\n \"triangles\": " + print_list(report.surface.triangles(), [](auto out, const VertexTuple<3>& t) {
-              fmt::format_to(out, "[{},{},{}]", t[0], t[1], t[2]);
-            });
-  text += moves ? print_moving_pairs(report) : print_triangle_pairs(report);
-  if (report.has_segments) text += print_segments(report);
-  return text + "," + tail.dump(1).substr(1) + "\n";
-}
-
-VtkGrid mark_collisions(const CollisionReport& report) {
-  VtkGrid grid;
-  grid.points = report.positions;
-  grid.triangles.assign(report.surface.triangles().begin(), report.surface.triangles().end());
-  const PairCounts counts(report);
-  grid.cell_fields.push_back({"collisions", 1, {counts.of_triangles.begin(), counts.of_triangles.end()}});
-  if (!report.end_mesh.empty())
-    grid.point_fields.push_back({"collisions", 1, {counts.of_vertices.begin(), counts.of_vertices.end()}});
-  return grid;
-}
-
-std::string print_free_step(double fraction) {
+std::string print_step(double fraction) {
   if (fraction == 1) return "the whole step";
   return fraction > 0 ? fmt::format("until {:.6g} of the step", fraction) : "no part of the step";
 }
 
+}  // namespace
+
 void print_summary(const CollisionReport& report, const Stopwatch& watch) {
   Table table;
-  table.add("mesh", fmt::format("{}, {} {}", report.mesh, grouped(report.surface.triangle_count()),
-                                report.solid ? "boundary triangles" : "triangles"));
-  if (!report.end_mesh.empty()) table.add("to", report.end_mesh);
-  table.add("colliding pairs",
-            report.is_clean() ? "none" : fmt::format("{}: {}", grouped(count_all(report)), print_kinds(report)));
+  table.add("mesh", print_mesh(report.first, report.first_triangles(), report.has_polygons()));
+  if (report.second)
+    table.add("against", print_mesh(*report.second, report.second->surface.triangle_count(), report.has_polygons()));
+  if (report.moves()) table.add("to", report.end_file);
+  const bool is_near = report.thickness > 0 && !report.moves();
+  const std::int64_t meeting = is_near ? std::ssize(report.pairs) : count_all(report);
+  table.add("colliding pairs", meeting == 0 ? "none" : fmt::format("{}: {}", grouped(meeting), print_kinds(report)));
+  if (is_near) table.add("near pairs", print_near(report));
   if (!report.is_clean()) {
-    const std::vector<std::int64_t> counts = PairCounts(report).of_triangles;
-    const auto most = std::max_element(counts.begin(), counts.end());
-    const auto [lower, upper] = place_of(report);
-    table.add("triangles in pairs",
-              fmt::format("{}; triangle {} has the most pairs, {}",
-                          grouped(std::count_if(counts.begin(), counts.end(), [](std::int64_t n) { return n > 0; })),
-                          most - counts.begin(), grouped(*most)));
+    const auto [lower, upper] = place_of_collisions(report);
+    add_parts(report, table);
     table.add("where", fmt::format("from {:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g} m", lower[0], lower[1], lower[2],
                                    upper[0], upper[1], upper[2]));
   }
-  if (!report.end_mesh.empty()) table.add("free of collisions", print_free_step(report.free_step));
+  if (report.moves()) table.add("free of collisions", print_step(report.free_step));
+  if (report.moves() && report.thickness > 0)
+    table.add(fmt::format("{:.6g} m apart", report.thickness), print_step(report.separated_step));
+  const std::string hint = unshared_hint(report);
+  if (!hint.empty()) table.add("hint", hint);
   std::string times;
   for (const auto& [phase, seconds] : watch.laps()) times += fmt::format("{} {}, ", phase, readable_seconds(seconds));
   table.add("time", fmt::format("{}total {}", times, readable_seconds(watch.total())));
