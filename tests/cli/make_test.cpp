@@ -85,6 +85,73 @@ TEST_F(MakeTest, PosesAreAppliedInTurn) {
   EXPECT_EQ(read_mesh(file("beam.t")).positions, wanted.positions);
 }
 
+TEST_F(MakeTest, CentresTheResult) {
+  for (const std::string shape :
+       {"box --size 1 2 3 --cell 1", "rod", "tube", "cloth", "noodle --length 8 --pose bend"}) {
+    const std::string name = shape.find("cloth") == 0 ? "mesh.ply" : "mesh.t";
+    run_well("make " + shape + " --centre -o " + name + " -q");
+    Vec3 lower = Vec3::Constant(HUGE_VAL), upper = -lower;
+    for (const Vec3& p : read_mesh(file(name)).positions) lower = lower.cwiseMin(p), upper = upper.cwiseMax(p);
+    EXPECT_LT((lower + upper).norm(), 1e-12) << shape;
+  }
+}
+
+/// What the help says of where shapes lie.
+TEST_F(MakeTest, ShapesLieWhereTheHelpSays) {
+  const auto box_of = [](const std::string& shape) {
+    Eigen::AlignedBox3d box;
+    for (const Vec3& p : make_shape(shape).positions) box.extend(p);
+    return box;
+  };
+  for (const char* shape : {"box", "beam", "cloth", "rod"}) EXPECT_LT(std::abs(box_of(shape).min()[0]), 1e-12) << shape;
+  for (const char* shape : {"box", "beam", "cloth"}) EXPECT_EQ(box_of(shape).min()[1], 0) << shape;
+  for (const char* shape : {"tube", "gear", "cloth"}) EXPECT_LT(std::abs(box_of(shape).min()[2]), 1e-12) << shape;
+  EXPECT_NEAR(box_of("noodle").min()[2], -0.1, 0.02) << "the middle of its end is in the plane";
+  EXPECT_EQ(box_of("cloth").max()[2], 0);
+  EXPECT_NEAR(box_of("rod").min()[1], -box_of("rod").max()[1], 1e-12);
+  for (const char* shape : {"overhand", "nested-overhand"})
+    EXPECT_NEAR(box_of(shape).min()[0], -box_of(shape).max()[0], 0.1) << shape;
+  for (const char* shape : {"trefoil", "nested-knot", "torus", "ball", "octopus"}) {
+    const Eigen::AlignedBox3d box = box_of(shape);
+    EXPECT_TRUE(box.contains(Eigen::Vector3d::Zero())) << shape;
+    EXPECT_LT(box.center().norm(), 0.2 * box.diagonal().norm()) << shape;
+  }
+  EXPECT_NEAR(box_of("squishy-ball").max()[0], 2, 0.2);
+}
+
+TEST_F(MakeTest, WritesTheBoundaryWhereTheFormatHoldsSurfaces) {
+  run_well("make box --cell 0.25 --size 1 1 1 -o box.vtu -q");
+  const Outcome outcome = run_well("make box --cell 0.25 --size 1 1 1 -o box.stl");
+  EXPECT_NE(outcome.out.find("192 triangles"), std::string::npos) << outcome.out;
+  run_well("make box.vtu -o box.obj --json made.json -q");
+  const IndexedMesh surface = read_mesh(file("box.obj"));
+  EXPECT_EQ(surface.triangles.size(), 192u);
+  EXPECT_EQ(surface.positions.size(), 98u);
+  EXPECT_EQ(json::parse(read_text(file("made.json")))["vertices"], 98);
+  EXPECT_EQ(json::parse(read_text(file("made.json")))["tetrahedra"], 0);
+}
+
+TEST_F(MakeTest, PosesAMeshOfYourOwn) {
+  run_well("make beam -o own.msh -q");
+  const Outcome outcome = run_well("make own.msh --pose bend,turns=0.5 -o bent.vtu --json made.json");
+  EXPECT_NE(outcome.out.find("bent.vtu: "), std::string::npos);
+  IndexedMesh wanted = make_shape("beam");
+  apply_pose(wanted, "bend", {.turns = 0.5});
+  EXPECT_EQ(read_mesh(file("bent.vtu")).positions, wanted.positions);
+  EXPECT_EQ(json::parse(read_text(file("made.json")))["shape"], "own.msh");
+  // A surface keeps its objects; the format may change.
+  write_text(file("own.obj"), "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.5\no cape\nf 1 2 3\nf 1 3 4\n");
+  run_well("make own.obj --centre -o moved.obj -q");
+  EXPECT_NE(read_text(file("moved.obj")).find("o cape\nf 1 2 3\n"), std::string::npos);
+  EXPECT_EQ(read_mesh(file("moved.obj")).positions[0], Vec3(-0.5, -0.5, -0.25));
+  expect_refused("make own.msh --pose bend -o own.msh", 2, {"own.msh", "input"});
+  expect_refused("make own.msh --cell 0.1 -o out.vtu", 2, {"--cell", "not for a mesh of your own"});
+  expect_refused("make own.msh --size 1 2 3 -o out.vtu", 2, {"--size"});
+  expect_refused("make own.obj -o out.t", 2, {"out.t", "holds no triangles"});
+  expect_refused("make none.msh -o out.vtu", 2, {"none.msh"});
+  expect_refused("make own.what -o out.vtu", 2, {"own.what"});
+}
+
 TEST_F(MakeTest, AsciiAndBinaryHoldTheSameMesh) {
   for (const char* extension : {"msh", "vtk", "vtu"}) {
     const std::string ascii = std::string("ascii.") + extension, binary = std::string("binary.") + extension;
@@ -107,15 +174,15 @@ TEST_F(MakeTest, OffIsTextUnlessBinaryIsAskedFor) {
 }
 
 TEST_F(MakeTest, FailureLeavesNothingAndTouchesNothing) {
-  write_text(file("old.obj"), "what stood here");
-  expect_refused("make ball -o old.obj --json result.json", 2, {"old.obj"});  // .obj holds no tetrahedra
+  write_text(file("old.t"), "what stood here");
+  expect_refused("make cloth -o old.t --json result.json", 2, {"old.t"});  // .t holds no triangles
   expect_refused("make ball -o ball.what --json result.json", 2, {"ball.what"});
   expect_refused("make ball -o nowhere/ball.t --json result.json", 2, {"nowhere/ball.t"});
   expect_refused("make ball -o ball.t --json nowhere/result.json", 2, {"nowhere/result.json"});
   expect_refused("make ball -o same.t --json ./same.t", 2, {"same.t"});
   expect_refused("make ball -o -", 2, {"standard output"});
-  EXPECT_EQ(files(), std::vector<std::string>{"old.obj"});
-  EXPECT_EQ(read_text(file("old.obj")), "what stood here");
+  EXPECT_EQ(files(), std::vector<std::string>{"old.t"});
+  EXPECT_EQ(read_text(file("old.t")), "what stood here");
 }
 
 TEST_F(MakeTest, TooLittleMemoryIsAFailureOfTheComputation) {

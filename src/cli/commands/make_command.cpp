@@ -5,6 +5,7 @@
 #include "cli/program/output.h"
 #include "selvage/core/error.h"
 #include "selvage/io/mesh_file.h"
+#include "selvage/mesh/triangle_mesh.h"
 #include "selvage/shapes/shapes.h"
 
 #include <fmt/format.h>
@@ -23,12 +24,13 @@ struct MakeOptions {
   std::vector<double> size;
   ShapeOptions measures;
   std::vector<std::string> poses;
-  bool ascii = false, binary = false;
+  bool centre = false, ascii = false, binary = false;
 };
 
 constexpr const char* kMakeExample =
     "  selvage make octopus --elements 30000 --pose swirl -o octopus.vtu\n"
     "  selvage make rod --length 8 --pose self-crossing,crossings=1 -o noodle.t\n"
+    "  selvage make octopus.vtu --pose overlap --centre -o two.vtu\n"
     "\n"
     "Shapes, with their options and defaults:\n"
     "  box              --size 1 1 1\n"
@@ -47,7 +49,18 @@ constexpr const char* kMakeExample =
     "  gear             --length 0.3 --radius 1 --inner-radius 0.3 --teeth 12\n"
     "  cloth            --size 2 2\n"
     "\n"
-    "Box, beam and cloth have a corner at the origin; rod, tube and noodle begin there; all others surround it.\n"
+    "Where they lie; --centre moves the middle of any of them to the origin:\n"
+    "  box, beam        a corner at the origin, along x, y and z\n"
+    "  cloth            a corner at the origin, in the plane z = 0\n"
+    "  rod              from the origin along x\n"
+    "  overhand, nested-overhand\n"
+    "                   along x, the middle of the rope at x = 0\n"
+    "  tube, gear       from the plane z = 0 upwards, around the z axis\n"
+    "  noodle           a coil around the z axis, from z = 0 upwards\n"
+    "  trefoil, nested-knot, torus\n"
+    "                   around the origin, flat along z\n"
+    "  ball, octopus    around the origin, as far as --radius\n"
+    "  squishy-ball     around the origin, twice as far as --radius\n"
     "\n"
     "Poses, with their defaults; without an axis, the longest one of the mesh:\n"
     "  twist,turns=1   bend,turns=1.25   fold,angle=4.2   self-crossing,crossings=2\n"
@@ -57,8 +70,31 @@ constexpr const char* kMakeExample =
 std::string shape_name(const MakeOptions& options) {
   if (options.curve.empty()) return options.shape;
   if (options.shape != "rod") throw Error("--curve", "only a rod has a curve", "leave it out");
-  if (options.curve == "straight") return "rod";
-  return options.curve == "coil" ? "noodle" : options.curve;
+  return std::string(shape_along_curve(options.curve));
+}
+
+/// Whether a mesh file is named where a shape could be: shapes have no extension.
+bool is_file(const MakeOptions& options) {
+  return std::filesystem::path(options.shape).has_extension();
+}
+
+/// A mesh of the user's own, for which there is nothing to measure.
+IndexedMesh read_own_mesh(const MakeOptions& options) {
+  const ShapeOptions& m = options.measures;
+  const std::pair<bool, const char*> given[] = {{m.elements.has_value(), "--elements"},
+                                                {m.cell.has_value(), "--cell"},
+                                                {!options.size.empty(), "--size"},
+                                                {m.length.has_value(), "--length"},
+                                                {m.radius.has_value(), "--radius"},
+                                                {m.inner_radius.has_value(), "--inner-radius"},
+                                                {!options.curve.empty(), "--curve"},
+                                                {m.tentacles.has_value(), "--tentacles"},
+                                                {m.teeth.has_value(), "--teeth"},
+                                                {m.seed.has_value(), "--seed"},
+                                                {m.slenderness.has_value(), "--slenderness"}};
+  for (const auto& [is_given, option] : given)
+    if (is_given) throw Error(option, "is for shapes, not for a mesh of your own", "leave it out");
+  return read_mesh(options.shape);
 }
 
 void set_size(MakeOptions& options) {
@@ -83,14 +119,23 @@ void run_make(MakeOptions& options) {
   for (const std::string& text : options.poses) poses.push_back(parse_pose(text));
   OutputFiles outputs;
   if (options.output == "-") throw Error("-o", "a mesh cannot be written to standard output", "name a file");
-  for (const auto& file : files_of_mesh(options.output)) outputs.expect(file.string());
-  outputs.expect(options.common.json);
+  const bool is_own = is_file(options);
+  std::vector<std::filesystem::path> inputs;
+  if (is_own) inputs = files_of_mesh(options.shape);
+  for (const auto& file : files_of_mesh(options.output)) outputs.expect(file.string(), inputs);
+  outputs.expect(options.common.json, inputs);
 
-  set_size(options);
-  const std::string name = shape_name(options);
-  IndexedMesh mesh = make_shape(name, options.measures);
-  watch.lap("make");
+  if (!is_own) set_size(options);
+  const std::string name = is_own ? options.shape : shape_name(options);
+  IndexedMesh mesh = is_own ? read_own_mesh(options) : make_shape(name, options.measures);
+  watch.lap(is_own ? "read" : "make");
+  const bool as_surface = !mesh.tetrahedra.empty() && !holds_tetrahedra(options.output);
+  if (is_own && !as_surface) check_format_holds(options.output, mesh);
   for (const PoseArgument& pose : poses) apply_pose(mesh, pose.name, pose.options);
+  if (options.centre) centre_at_origin(mesh.positions);
+  if (as_surface)
+    mesh =
+        boundary_mesh(TetMesh(static_cast<Index>(mesh.positions.size()), std::move(mesh.tetrahedra)), mesh.positions);
   watch.lap("pose");
 
   nlohmann::ordered_json result{{"schema", 1},
@@ -128,7 +173,7 @@ void add_measures(CLI::App& app, MakeOptions& options) {
       ->type_name("D");
   app.add_option("--inner-radius", m.inner_radius, "Tube (inner), torus (minor), gear (hole) [m]")->type_name("D");
   app.add_option("--curve", options.curve, "Rod: the curve it follows: straight, coil, or a knot of the list below")
-      ->check(CLI::IsMember({"straight", "trefoil", "nested-knot", "coil", "overhand", "nested-overhand"}))
+      ->check(CLI::IsMember(std::vector<std::string>(curve_names().begin(), curve_names().end())))
       ->type_name("NAME");
   app.add_option("--tentacles", m.tentacles, "Squishy ball: number of tentacles")->type_name("N");
   app.add_option("--teeth", m.teeth, "Gear: number of teeth")->type_name("N");
@@ -142,12 +187,15 @@ void add_measures(CLI::App& app, MakeOptions& options) {
 
 Command add_make(CLI::App& app) {
   auto options = std::make_shared<MakeOptions>();
-  CLI::App* sub =
-      add_subcommand(app, "make", "Makes a mesh of a named shape. Poses bend, twist or tangle it.", kMakeExample);
-  sub->add_option("shape", options->shape, fmt::format("One of {}", fmt::join(shape_names(), ", ")))
+  CLI::App* sub = add_subcommand(
+      app, "make", "Makes a mesh of a named shape, or takes one of yours. Poses bend, twist or tangle it.",
+      kMakeExample);
+  sub->add_option("shape", options->shape,
+                  fmt::format("One of {}; or a mesh file of your own", fmt::join(shape_names(), ", ")))
       ->required()
       ->type_name("SHAPE");
-  sub->add_option("-o,--output", options->output, "Mesh file to write; its extension tells the format")
+  sub->add_option("-o,--output", options->output,
+                  "Mesh file to write; its extension tells the format: of the boundary, where it holds surfaces only")
       ->required()
       ->type_name("MESH");
   add_measures(*sub, *options);
@@ -159,6 +207,7 @@ Command add_make(CLI::App& app) {
       ->take_all()
       ->expected(1)
       ->type_name("POSE");
+  sub->add_flag("--centre", options->centre, "Move the middle of the posed mesh to the origin");
   auto* ascii = sub->add_flag("--ascii", options->ascii, "Write text where the format has text and binary");
   sub->add_flag("--binary", options->binary, "Write binary where the format has both; the default, except for .off")
       ->excludes(ascii);
