@@ -46,6 +46,39 @@ TEST_F(Resolve, CountsWhatIsAtInvertedElements) {
   EXPECT_EQ(report["after"]["waiting_points"], 0);
 }
 
+TEST_F(Resolve, WritesTheBoundaryWhereTheFormatHoldsSurfaces) {
+  run_well("make box --cell 0.25 --pose overlap,dx=0.8,dy=0.1 -o tangled.vtu -q");
+  run_well("resolve tangled.vtu -o out.vtu -q");
+  run_well("resolve tangled.vtu -o out.OBJ --json report.json -q");
+  run_well("resolve tangled.vtu -o out.stl -q");
+  const IndexedMesh solid = read_mesh(file("out.vtu"));
+  const TetMesh mesh(static_cast<Index>(solid.positions.size()), solid.tetrahedra);
+  const IndexedMesh surface = read_mesh(file("out.OBJ"));
+  EXPECT_EQ(surface.positions.size(), mesh.boundary_vertices().size());
+  ASSERT_EQ(surface.triangles.size(), mesh.boundary_faces().size());
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k)
+      EXPECT_EQ(surface.positions[surface.triangles[t][k]], solid.positions[mesh.boundary_faces()[t][k]]);
+  EXPECT_EQ(run("check out.OBJ -q").status, 0);
+  EXPECT_EQ(run("check out.stl --weld -q").status, 0);
+  run_well("view report.json -o page.html -q");
+}
+
+TEST_F(Resolve, KeepsThePoseUnlessItIsToStandUp) {
+  run_well("make beam --size 12 0.6 0.6 --cell 0.3 -o rest.vtu -q");
+  run_well("make rest.vtu --pose bend,axis=x,turns=1.08 -o bent.vtu -q");
+  const auto mean = [&](const std::string& options) {
+    const Outcome outcome = run_well("resolve bent.vtu --rest rest.vtu -o out.vtu --json report.json" + options);
+    EXPECT_NE(outcome.out.find("% beside the rest"), std::string::npos) << outcome.out;
+    const auto report = nlohmann::json::parse(read_text(file("report.json")));
+    EXPECT_NEAR(report["volume"]["at_rest"].get<double>(), 12 * 0.36, 1e-9);
+    return report["displacement"]["mean"].get<double>();
+  };
+  const double stayed = mean(""), stood_up = mean(" --to-rest");
+  EXPECT_LT(stayed, 0.3 * stood_up);
+  EXPECT_NE(run_well("resolve bent.vtu -o out.vtu").out.find("% beside the mesh before"), std::string::npos);
+}
+
 TEST_F(Resolve, LeavesAnUntangledMeshAsItIs) {
   run_well("make torus --elements 2000 -o torus.vtu -q");
   run_well("resolve torus.vtu -o out.vtu -q");
@@ -105,9 +138,8 @@ TEST_F(Resolve, RefusesWithOneLine) {
   expect_refused("resolve box.vtu -o -", 2, {"standard output"});
   expect_refused("resolve box.vtu -o box.vtu", 2, {"box.vtu"});
   expect_refused("resolve box.vtu -o out.xyz", 2, {"out.xyz"});
+  expect_refused("resolve box.vtu -o out.vtu --to-rest", 2, {"--to-rest", "--rest MESH"});
   // Before the work.
-  for (const char* name : {"out.stl", "out.OBJ", "out.ply", "out.off"})
-    expect_refused(std::string("resolve box.vtu --pin none.txt -o ") + name, 2, {name, "holds no tetrahedra"});
   IndexedMesh with_surface = read_mesh(file("box.vtu"));
   with_surface.triangles = {{0, 1, 2}};
   write_mesh(file("surface.vtu"), with_surface);

@@ -32,7 +32,10 @@ struct ResolveIteration {
 
 struct ResolveOptions {
   std::vector<Vec3> rest_positions{};  ///< (n_vertices) shape without stress [m]; empty: the input
-  std::vector<Index> pinned{};         ///< vertices that must stay where they are
+  /// Use `rest_positions` near the tangle alone, with the surroundings in their places; elsewhere the input is without
+  /// stress, and so the mesh keeps its pose. False: the whole mesh is drawn towards the rest.
+  bool keep_pose = false;
+  std::vector<Index> pinned{};                                        ///< vertices that must stay where they are
   double max_displacement = std::numeric_limits<double>::infinity();  ///< of each vertex, in all [m]
   /// How close surfaces that met may come again once all is out, as a part of the boundary's mean edge length at rest.
   double clearance = 0.05;
@@ -56,8 +59,10 @@ struct ResolveReport {
   std::vector<Index> holding_vertices;  ///< pinned vertices of these elements and of their contacts; ascending
   std::int64_t moved_vertices = 0;
   double max_displacement = 0, mean_displacement = 0;  ///< over all vertices [m]
-  double volume_before = 0, volume_after = 0;          ///< of all elements [m^3]
-  /// Neo-Hookean, of Poisson's ratio 0.45 and a Young's modulus of 1 Pa [J].
+  double volume_before = 0, volume_after = 0;          ///< of all elements, inverted ones negative [m^3]
+  double volume_at_rest = 0;                           ///< of `rest_positions`, or of the input [m^3]
+  /// Against the shape that is taken to be without stress. Neo-Hookean, of Poisson's ratio 0.45 and a Young's modulus
+  /// of 1 Pa [J].
   double elastic_energy_before = 0, elastic_energy_after = 0;
 };
 

@@ -5,6 +5,7 @@
 #include "cli/program/output.h"
 #include "selvage/core/error.h"
 #include "selvage/io/mesh_file.h"
+#include "selvage/mesh/triangle_mesh.h"
 #include "selvage/untangling/resolve.h"
 
 #include <fmt/format.h>
@@ -19,6 +20,7 @@ namespace {
 struct ResolveCommandOptions {
   CommonOptions common;
   std::string mesh, rest, output, pin;
+  bool to_rest = false;
   std::vector<double> pin_box;
   ResolveOptions limits;
 };
@@ -26,6 +28,8 @@ struct ResolveCommandOptions {
 constexpr const char* kResolveExample =
     "  selvage make rod --length 8 --radius 0.2 --pose self-crossing -o tangled.vtu\n"
     "  selvage resolve tangled.vtu -o resolved.vtu --json report.json\n"
+    "  selvage make rod --length 8 --radius 0.2 -o rest.vtu\n"
+    "  selvage resolve tangled.vtu --rest rest.vtu -o surface.obj\n"
     "\n"
     "Vertices far from any tangle keep their coordinates. Where the mesh cannot be resolved the exit status is 3, and "
     "no mesh is written; the report lists the elements that are in the way. See docs/guides/resolve.md.";
@@ -36,6 +40,11 @@ IndexedMesh read_solid(const std::string& path) {
   IndexedMesh mesh = read_mesh(path);
   if (mesh.tetrahedra.empty()) throw Error(path, "there is no tetrahedron", "give a mesh of tetrahedra");
   return mesh;
+}
+
+/// What a format of surfaces holds of the mesh.
+IndexedMesh boundary_of(const IndexedMesh& mesh) {
+  return boundary_mesh(TetMesh(static_cast<Index>(mesh.positions.size()), mesh.tetrahedra), mesh.positions);
 }
 
 std::vector<Vec3> read_rest(const std::string& path, const IndexedMesh& mesh) {
@@ -101,7 +110,8 @@ nlohmann::ordered_json json_of(const ResolveCommandOptions& options, const Resol
        {{"moved_vertices", report.moved_vertices},
         {"max", report.max_displacement},
         {"mean", report.mean_displacement}}},
-      {"volume", {{"before", report.volume_before}, {"after", report.volume_after}}},
+      {"volume",
+       {{"at_rest", report.volume_at_rest}, {"before", report.volume_before}, {"after", report.volume_after}}},
       {"elastic_energy", {{"before", report.elastic_energy_before}, {"after", report.elastic_energy_after}}},
       {"pinned_vertices", options.limits.pinned.size()},
       {"tangled_elements", report.tangled_elements},
@@ -134,8 +144,11 @@ void print_summary(const ResolveCommandOptions& options, const ResolveReport& re
             fmt::format("{} before, {} after", grouped(before.inverted_elements), grouped(after.inverted_elements)));
   table.add("moved", fmt::format("{} vertices, at most {:.3g} m, on average {:.3g} m", grouped(report.moved_vertices),
                                  report.max_displacement, report.mean_displacement));
-  table.add("volume", fmt::format("{:.6g} m^3, changed by {:.2g}%", report.volume_after,
-                                  change(report.volume_before, report.volume_after)));
+  // Before, inverted elements count as negative: with them only the rest tells how much there should be.
+  const bool has_rest = !options.rest.empty();
+  table.add("volume", fmt::format("{:.6g} m^3, {:+.2g}% {}", report.volume_after,
+                                  change(has_rest ? report.volume_at_rest : report.volume_before, report.volume_after),
+                                  has_rest ? "beside the rest" : "beside the mesh before"));
   table.add("elastic energy", fmt::format("{:.3g} J before, {:.3g} J after, for a Young's modulus of 1 Pa",
                                           report.elastic_energy_before, report.elastic_energy_after));
   table.add("time", readable_duration(seconds));
@@ -171,7 +184,7 @@ ResolveReport resolve(ResolveCommandOptions& options, IndexedMesh& mesh) {
   options.limits.on_iteration = [&](const ResolveIteration& row) {
     if (row.iteration == 0) first = row.total_depth;
     progress.show(first > 0 ? std::clamp(1 - row.total_depth / first, 0.0, 1.0) : 1,
-                  fmt::format("iteration {}: {} pairs, {} vertices inside, deepest {:.2g} m", row.iteration,
+                  fmt::format("iteration {}: {} pairs, {} inside, deepest {:.2g} m", row.iteration,
                               grouped(row.triangle_pairs), grouped(row.penetrating_vertices), row.deepest));
   };
   const TetMesh topology(static_cast<Index>(mesh.positions.size()), mesh.tetrahedra);
@@ -195,15 +208,20 @@ void run_resolve(ResolveCommandOptions& options) {
   if (!(options.limits.clearance > 0 && options.limits.clearance < 1))
     throw Error("--clearance", fmt::format("is {}", options.limits.clearance), "give a number between 0 and 1");
 
+  if (options.to_rest && options.rest.empty())
+    throw Error("--to-rest", "has no effect without a rest", "add --rest MESH");
+  options.limits.keep_pose = !options.rest.empty() && !options.to_rest;
+  const bool as_surface = !holds_tetrahedra(options.output);
+
   IndexedMesh mesh = read_solid(options.mesh);
-  check_format_holds(options.output, mesh);
+  if (!as_surface) check_format_holds(options.output, mesh);
   if (!options.rest.empty()) options.limits.rest_positions = read_rest(options.rest, mesh);
   options.limits.pinned = find_pinned(options, mesh);
   watch.lap("read");
   const ResolveReport report = resolve(options, mesh);
   watch.lap("resolve");
   const bool resolved = report.outcome == ResolveOutcome::kResolved;
-  if (resolved) outputs.write_mesh(options.output, mesh);
+  if (resolved) outputs.write_mesh(options.output, as_surface ? boundary_of(mesh) : mesh);
   watch.lap("write");
   outputs.write_text(options.common.json, json_text(json_of(options, report, watch)) + "\n");
   outputs.commit();
@@ -221,11 +239,15 @@ Command add_resolve(CLI::App& app) {
                      "their shape.",
                      kResolveExample);
   sub->add_option("mesh", options->mesh, "Mesh file")->required()->type_name("MESH");
-  sub->add_option("-o,--output", options->output, "Mesh file to write; its extension tells the format")
+  sub->add_option("-o,--output", options->output,
+                  "Mesh file to write; its extension tells the format: of the boundary, where it holds surfaces only")
       ->required()
       ->type_name("OUT");
-  sub->add_option("--rest", options->rest, "The same mesh in its stress-free shape; without this option, MESH itself")
+  sub->add_option("--rest", options->rest,
+                  "The same mesh in its stress-free shape, which it takes near the tangle, and keeps its pose "
+                  "elsewhere; without this option, MESH itself")
       ->type_name("MESH");
+  sub->add_flag("--to-rest", options->to_rest, "Draw the whole mesh towards --rest, and give up its pose");
   sub->add_option("--pin", options->pin, "Vertices that must not move: one number a line")->type_name("FILE");
   sub->add_option("--pin-box", options->pin_box, "Two corners of a box whose vertices must not move [m]")
       ->expected(6)

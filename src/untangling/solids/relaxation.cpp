@@ -118,6 +118,10 @@ void Relaxation::wake(Index vertex) {
   vertices_[vertex].inverse_mass = model_.inverse_masses[vertex];
 }
 
+void Relaxation::wake_all() {
+  for (Index v = 0; v < mesh_.vertex_count(); ++v) wake(v);
+}
+
 void Relaxation::wake_displaced() {
   for (Index v = 0; v < mesh_.vertex_count(); ++v)
     if (positions_[v] != origin_[v]) wake(v);

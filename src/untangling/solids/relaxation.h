@@ -27,6 +27,9 @@ class Relaxation {
   /// and of inverted elements wake.
   void hold(std::span<const Contact> contacts);
 
+  /// Wakes all vertices that are not pinned.
+  void wake_all();
+
   /// Wakes vertices that are not at their origin.
   void wake_displaced();
 

@@ -5,6 +5,7 @@
 #include "mesh/find_inverted.h"
 #include "selvage/core/error.h"
 #include "untangling/solids/held_elements.h"
+#include "untangling/solids/posed_rest.h"
 #include "untangling/solids/relaxation.h"
 #include "untangling/solids/tangle_finder.h"
 
@@ -57,6 +58,13 @@ void check_options(const TetMesh& mesh, const ResolveOptions& options) {
                   fmt::format("vertices lie in [0, {})", mesh.vertex_count()));
 }
 
+/// The shape that is without stress.
+std::vector<Vec3> rest_of(const TetMesh& mesh, std::span<const Vec3> positions, const ResolveOptions& options) {
+  if (options.rest_positions.empty()) return {positions.begin(), positions.end()};
+  if (options.keep_pose) return find_posed_rest(mesh, options.rest_positions, positions, options);
+  return options.rest_positions;
+}
+
 class Resolver {
  public:
   Resolver(const TetMesh& mesh, std::vector<Vec3>& positions, const ResolveOptions& options)
@@ -64,7 +72,7 @@ class Resolver {
         options_(options),
         positions_(positions),
         input_(positions),
-        rest_(options.rest_positions.empty() ? positions : options.rest_positions),
+        rest_(rest_of(mesh, positions, options)),
         body_(std::in_place, mesh, positions, rest_, input_, options),
         tangle_(mesh, positions) {}
   ResolveReport run();
@@ -183,6 +191,7 @@ void Resolver::fill_report(ResolveReport& report) const {
   for (const auto& e : mesh_.elements()) {
     report.volume_before += element_volume(e, input_);
     report.volume_after += element_volume(e, positions_);
+    report.volume_at_rest += element_volume(e, options_.rest_positions.empty() ? input_ : options_.rest_positions);
   }
   report.elastic_energy_before = total_energy(input_);
   report.elastic_energy_after = total_energy(positions_);
