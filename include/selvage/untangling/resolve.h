@@ -33,7 +33,7 @@ struct ResolveIteration {
 struct ResolveOptions {
   std::vector<Vec3> rest_positions{};  ///< (n_vertices) shape without stress [m]; empty: the input
   /// Use `rest_positions` near the tangle alone, with the surroundings in their places; elsewhere the input is without
-  /// stress, and so the mesh keeps its pose. False: the whole mesh is drawn towards the rest.
+  /// stress, and so the mesh keeps its pose as far as nothing meets. False: the whole mesh is drawn towards the rest.
   bool keep_pose = false;
   std::vector<Index> pinned{};                                        ///< vertices that must stay where they are
   double max_displacement = std::numeric_limits<double>::infinity();  ///< of each vertex, in all [m]

@@ -23,6 +23,8 @@ namespace {
 constexpr int kMaxRelaxations = 60, kRelaxationPatience = 10;
 /// Iterations without progress after which the material yields.
 constexpr int kYield = 10;
+/// Iterations in which a mesh that keeps its pose must come free before it is let out of it.
+constexpr int kPosedIterations = 60;
 /// Part by which a number must have become less to count as progress.
 constexpr double kProgress = 0.01;
 
@@ -74,7 +76,8 @@ class Resolver {
         input_(positions),
         rest_(rest_of(mesh, positions, options)),
         body_(std::in_place, mesh, positions, rest_, input_, options),
-        tangle_(mesh, positions) {}
+        tangle_(mesh, positions),
+        has_pose_(options.keep_pose && !options.rest_positions.empty()) {}
   ResolveReport run();
 
  private:
@@ -82,6 +85,7 @@ class Resolver {
   ResolveOutcome untangle(ResolveReport& report);
   void yield();
   bool may_start_anew() const;
+  void start_anew(std::span<const Vec3> rest);
   void relax_to_rest(ResolveReport& report);
   void report_iteration(ResolveReport& report, const ResolveIteration& now) const;
   bool has_improved(const ResolveIteration& now);
@@ -109,6 +113,7 @@ class Resolver {
   TangleFinder tangle_;
   std::vector<Index> held_;
   bool has_yielded_ = false;
+  bool has_pose_ = false;  ///< the rest is that of the pose, and all may yet be let out of it
   Best best_;
 };
 
@@ -229,7 +234,17 @@ void Resolver::yield() {
 /// Whether to begin again with the input as the rest shape. A given rest shape may drive the tangle ever deeper, as one
 /// that is much larger does.
 bool Resolver::may_start_anew() const {
-  return !has_yielded_ && !options_.rest_positions.empty() && find_inverted(mesh_, input_).empty();
+  return !has_yielded_ && !options_.keep_pose && !options_.rest_positions.empty() &&
+         find_inverted(mesh_, input_).empty();
+}
+
+/// Begins again from the input with another shape at rest. The first is what the material comes to in the end.
+void Resolver::start_anew(std::span<const Vec3> rest) {
+  positions_ = input_;
+  best_ = {};
+  body_.emplace(mesh_, positions_, rest, input_, options_);
+  has_yielded_ = true;
+  has_pose_ = false;
 }
 
 ResolveOutcome Resolver::untangle(ResolveReport& report) {
@@ -246,10 +261,13 @@ ResolveOutcome Resolver::untangle(ResolveReport& report) {
     const int waited = iteration - last_progress;
     if (waited >= options_.patience) return ResolveOutcome::kStuck;
     if (iteration - last_better >= kYield && may_start_anew()) {
-      positions_ = input_;
-      best_ = {};
-      body_.emplace(mesh_, positions_, input_, input_, options_);
-      has_yielded_ = true;
+      start_anew(input_);
+      continue;
+    }
+    // Some tangles open only where the mesh stands up; then it is bent back as far as nothing meets.
+    if (has_pose_ && (iteration >= kPosedIterations || iteration - last_better >= kYield)) {
+      start_anew(options_.rest_positions);
+      last_better = last_progress = iteration;
       continue;
     }
     if (waited > 0 && waited % kYield == 0) yield();
