@@ -84,7 +84,7 @@ TEST_F(CheckPairsTest, ThicknessGivesDistances) {
   EXPECT_EQ(check("low.obj --thickness 0.2", 0)["vertex_face"], json::array());
   const std::string text = run("check low.obj --thickness 0.5").out;
   EXPECT_NE(text.find("least 0.25 m"), std::string::npos) << text;
-  EXPECT_NE(text.find("colliding pairs  none"), std::string::npos) << text;
+  EXPECT_NE(text.find("colliding pairs     none"), std::string::npos) << text;
   expect_refused("check low.obj --thickness 0", 2, {"--thickness", "above 0"});
   expect_refused("check low.obj --thickness thin", 2, {"--thickness", "not a number"});
 }

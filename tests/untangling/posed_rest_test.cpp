@@ -44,8 +44,7 @@ TEST(PosedRest, IsPositiveAndKeepsWhatIsFar) {
   ASSERT_GT(find_inverted(mesh, ring.bent.positions).size(), 20u);
   const std::vector<Vec3> rest = find_posed_rest(mesh, ring.straight.positions, ring.bent.positions, {});
   EXPECT_TRUE(find_inverted(mesh, rest).empty());
-  for (std::size_t v = 0; v < rest.size(); ++v)
-    EXPECT_TRUE(!ring.is_far(v) || rest[v] == ring.bent.positions[v]) << v;
+  for (std::size_t v = 0; v < rest.size(); ++v) EXPECT_TRUE(!ring.is_far(v) || rest[v] == ring.bent.positions[v]) << v;
 }
 
 TEST(PosedRest, RefusesARestThatIsNone) {

@@ -39,17 +39,16 @@ std::pair<IndexedMesh, std::vector<Vec3>> read_poses(const std::string& start_fi
   return {std::move(start), std::move(end.positions)};
 }
 
-/// Whether each triangle has vertices of its own, as in an STL.
+/// Whether each triangle has vertices of its own, and most of these are in one place with others, as in an STL.
 bool shares_nothing(const IndexedMesh& mesh) {
-  if (mesh.triangles.size() < 2) return false;
   std::vector<char> used(mesh.positions.size(), 0);
   for (const auto& triangle : mesh.triangles)
     for (const Index v : triangle)
       if (std::exchange(used[v], 1)) return false;
   const std::vector<Index> first = find_first_in_place(mesh.positions);
-  for (std::size_t v = 0; v < first.size(); ++v)
-    if (used[v] && first[v] != static_cast<Index>(v)) return true;
-  return false;
+  std::int64_t joined = 0;
+  for (std::size_t v = 0; v < first.size(); ++v) joined += used[v] && first[v] != static_cast<Index>(v);
+  return 2 * joined >= std::count(used.begin(), used.end(), 1);
 }
 
 std::vector<Index> read_group_file(const std::string& path, const CheckedSurface& surface) {

@@ -21,7 +21,7 @@ struct CheckedSurface {
   std::vector<Index> groups{};   ///< of each triangle: the file's group; empty: it has none
 
   bool is_welded = false;
-  bool shares_nothing = false;  ///< no two triangles have a vertex in common, but some have one in the same place
+  bool shares_nothing = false;  ///< no two triangles have a vertex in common, but most have some in the same place
 
   Index number_of(Index triangle) const { return numbers.empty() ? triangle : numbers[triangle]; }
   /// The face of the file that a triangle is a part of.

@@ -29,7 +29,7 @@ struct SimulateOptions {
 constexpr const char* kSimulateExample =
     "  selvage simulate scenes/octopi_8_hybrid.json -o octopi --vtu\n"
     "  selvage simulate scenes/octopi_8_hybrid.json -o octopi --resume --frames 400\n"
-    "  selvage simulate scenes/long_noodle.json -o short --set /bodies/0/mesh/length=3 --set /substeps=10\n"
+    "  selvage simulate scenes/long_noodle.json -o run --set /bodies/0/mesh/length=3\n"
     "\n"
     "The folder holds, after each frame:\n"
     "  frames/frame_000012.bin  positions, after a header of 64 bytes:\n"
