@@ -41,7 +41,7 @@ TEST(PosedRest, IsPositiveAndKeepsWhatIsFar) {
   Ring ring;
   ring.shake();
   const TetMesh mesh = ring.topology();
-  ASSERT_GT(find_inverted(mesh, ring.bent.positions).size(), 20u);
+  ASSERT_GT(find_inverted(mesh, ring.bent.positions).size(), 10u);
   const std::vector<Vec3> rest = find_posed_rest(mesh, ring.straight.positions, ring.bent.positions, {});
   EXPECT_TRUE(find_inverted(mesh, rest).empty());
   for (std::size_t v = 0; v < rest.size(); ++v) EXPECT_TRUE(!ring.is_far(v) || rest[v] == ring.bent.positions[v]) << v;
@@ -55,22 +55,28 @@ TEST(PosedRest, RefusesARestThatIsNone) {
   EXPECT_THROW(find_posed_rest(ring.topology(), std::span(flat).first(3), ring.bent.positions, {}), Error);
 }
 
-TEST(PosedRest, LetsABentBarStayBent) {
-  for (const bool is_shaken : {false, true}) {
-    Ring ring;
-    if (is_shaken) ring.shake();
+/// Folded in the middle until its halves cross near their ends, one of which is crumpled on request.
+TEST(PosedRest, LetsAFoldedBarStayFolded) {
+  for (const bool is_crumpled : {false, true}) {
+    IndexedMesh mesh = make_box({8, 0.5, 0.5}, 0.25);
     ResolveOptions options;
-    options.rest_positions = ring.straight.positions;
-    const Resolved stood_up = resolve(ring.bent, options);
+    options.rest_positions = mesh.positions;
+    apply_pose(mesh, "fold", {.axis = 0, .angle = 3.3});
+    for (std::size_t v = 0; v < mesh.positions.size() && is_crumpled; v += 3) {
+      const auto number = static_cast<double>(v);
+      if (options.rest_positions[v][0] < 1.3)
+        mesh.positions[v] += 0.4 * Vec3(std::sin(7 * number), std::cos(5 * number), std::sin(3 * number));
+    }
+    const Resolved stood_up = resolve(mesh, options);
     options.keep_pose = true;
-    const Resolved stayed = resolve(ring.bent, options);
+    const Resolved stayed = resolve(mesh, options);
     expect_resolved(stood_up);
     expect_resolved(stayed);
-    // Its ends are 0.6 m thick and give way by about that; a bar that stands up moves by metres.
-    EXPECT_LT(stayed.report.max_displacement, 1.5) << is_shaken;
-    EXPECT_LT(stayed.report.mean_displacement, 0.3 * stood_up.report.mean_displacement) << is_shaken;
-    EXPECT_NEAR(stayed.report.volume_at_rest, 12 * 0.36, 1e-9);
-    EXPECT_NEAR(stayed.report.volume_after, stayed.report.volume_at_rest, 0.03 * stayed.report.volume_at_rest);
+    EXPECT_GT(stood_up.report.iterations.front().triangle_pairs, 50);
+    EXPECT_EQ(stood_up.report.iterations.front().inverted_elements > 10, is_crumpled);
+    EXPECT_LT(stayed.report.mean_displacement, 0.3 * stood_up.report.mean_displacement) << is_crumpled;
+    EXPECT_NEAR(stayed.report.volume_at_rest, 2, 1e-9);
+    EXPECT_NEAR(stayed.report.volume_after, 2, 0.06);
   }
 }
 
