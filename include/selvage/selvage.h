@@ -10,6 +10,7 @@
 #include "selvage/contact/friction.h"
 #include "selvage/core/error.h"
 #include "selvage/core/types.h"
+#include "selvage/elasticity/cloth_material.h"
 #include "selvage/elasticity/material.h"
 #include "selvage/geometry/closest_point.h"
 #include "selvage/geometry/continuous.h"

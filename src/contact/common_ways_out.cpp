@@ -53,7 +53,9 @@ std::vector<CommonWaysOut::Member> CommonWaysOut::members_of(std::span<const Pen
   for (Index i = 0; i < std::ssize(points); ++i) {
     const PenetratingPoint& point = points[i];
     if (point.vertices[0] >= mesh_.vertex_count()) continue;  // of a collider
-    const Index own = pieces_[mesh_.vertex_elements(point.vertices[0]).front()], other = pieces_[point.query.element];
+    const auto elements = mesh_.vertex_elements(point.vertices[0]);
+    if (elements.empty()) continue;  // of cloth
+    const Index own = pieces_[elements.front()], other = pieces_[point.query.element];
     if (own == other) continue;
     const std::array<Index, 2> pieces{std::min(own, other), std::max(own, other)};
     const auto member = static_cast<Index>(members.size());

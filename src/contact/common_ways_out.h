@@ -12,8 +12,8 @@ namespace selvage {
 /// what follows it, has the shortest way.
 ///
 /// Points are in a tangle where a point shares a vertex, or a vertex of the element that it is in, with another. Those
-/// of one piece leave in a direction, those of the other against it. Points of colliders, and those inside their own
-/// piece, keep their shortest paths, as those do whose straight way ends nowhere.
+/// of one piece leave in a direction, those of the other against it. Points of colliders and cloth, and those in their
+/// own piece, keep their shortest paths, as those do whose straight way ends nowhere.
 class CommonWaysOut {
  public:
   explicit CommonWaysOut(const TetMesh& mesh);

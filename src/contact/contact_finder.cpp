@@ -2,9 +2,10 @@
 
 #include "contact/closest_rules.h"
 #include "contact/common_ways_out.h"
-#include "contact/impact_contacts.h"
+#include "contact/impact_search.h"
 #include "contact/input/collider_triangles.h"
 #include "contact/input/inverted_vertices.h"
+#include "contact/near_contacts.h"
 #include "contact/path_contact.h"
 #include "contact/penetration_search.h"
 #include "contact/tangled_vertices.h"
@@ -23,21 +24,8 @@ namespace selvage {
 
 namespace {
 
-constexpr std::int64_t kContactGrain = 1024;
-
 bool is_same_point(const Contact& a, const Contact& b) {
   return a.kind == b.kind && a.point_feature == b.point_feature;
-}
-
-/// Builds the contacts of all pairs that are a first impact, leaving out those without a normal.
-template <typename Pair, typename Make>
-void append_impacts(std::span<const Pair> pairs, std::span<const double> times, std::span<const Index> kept,
-                    std::vector<Contact>& contacts, Make&& make) {
-  std::vector<std::optional<Contact>> made(kept.size());
-  parallel_for(std::ssize(kept), kContactGrain,
-               [&](std::int64_t i) { made[i] = make(pairs[kept[i]], times[kept[i]]); });
-  for (const auto& contact : made)
-    if (contact) contacts.push_back(*contact);
 }
 
 }  // namespace
@@ -54,9 +42,11 @@ struct ContactFinder::Impl {
   const TetMesh& mesh;
   ContactOptions options;
   TriangleMesh surface;
+  Index body_faces;  ///< of the boundary and of cloth
   std::vector<Vec3> positions_t0;
   std::optional<PenetrationSearch> search;
-  std::optional<ContinuousCollisionFinder> impacts;  ///< made when first needed
+  ImpactSearch impacts;
+  std::optional<NearSearch> near;  ///< of thick cloth
   std::optional<RestPoseRule> rest_pose;
   std::optional<EuclideanRule> euclidean;
   std::optional<CommonWaysOut> common;  ///< of the shortest paths, where bodies penetrate at the start of steps only
@@ -71,12 +61,15 @@ struct ContactFinder::Impl {
   bool has_begun = false;  ///< any step
 
   Impl(const TetMesh& m, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
-       std::span<const Index> vertex_objects, ContactOptions o, std::span<const VertexTuple<3>> colliders);
+       std::span<const Index> vertex_objects, ContactOptions o, std::span<const VertexTuple<3>> colliders,
+       ContactCloth cloth);
 
   /// With the colliders'.
   Index vertex_count() const { return surface.vertex_count(); }
   std::span<const Vec3> of_mesh(std::span<const Vec3> positions) const { return positions.first(mesh.vertex_count()); }
-  Index body_face_count() const { return static_cast<Index>(mesh.boundary_faces().size()); }
+  SurfaceStep step_to(std::span<const Vec3> positions) const {
+    return {surface, positions_t0, positions, mesh.boundary_face_count(), body_faces};
+  }
   bool is_of_collider(Index vertex) const { return vertex >= mesh.vertex_count(); }
 
   bool uses_ccd() const {
@@ -99,19 +92,21 @@ struct ContactFinder::Impl {
   void append_ways_out(std::span<const Vec3> positions, std::vector<PenetratingPoint>& points,
                        std::vector<Contact>& contacts);
   ContinuousPairs find_pairs(std::span<const Vec3> positions);
-  StepImpacts with_times(ContinuousPairs pairs) const;
   StepImpacts find_impacts(std::span<const Vec3> positions);
   StepImpacts find_untangled_impacts(std::span<const Vec3> positions);
   void append_contacts(const StepImpacts& found, std::span<const Vec3> positions, std::vector<Contact>& contacts) const;
+  void append_near(std::vector<Contact>& contacts);
 };
 
 ContactFinder::Impl::Impl(const TetMesh& m, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
                           std::span<const Index> vertex_objects, ContactOptions o,
-                          std::span<const VertexTuple<3>> colliders)
+                          std::span<const VertexTuple<3>> colliders, ContactCloth cloth)
     : mesh(m),
       options(o),
-      surface(surface_with_colliders(m, colliders, positions.size())),
-      tangled(surface, body_face_count(), o.guarantee) {
+      surface(surface_with_colliders(m, colliders, positions.size(), cloth.triangles)),
+      body_faces(m.boundary_face_count() + static_cast<Index>(cloth.triangles.size())),
+      impacts(surface, body_faces),
+      tangled(surface, body_faces, o.guarantee) {
   check_positions<3>(positions, vertex_count());
   if (!vertex_objects.empty() && std::ssize(vertex_objects) != mesh.vertex_count())
     throw Error("vertex_objects", fmt::format("{} for {} vertices", vertex_objects.size(), mesh.vertex_count()),
@@ -121,12 +116,19 @@ ContactFinder::Impl::Impl(const TetMesh& m, std::span<const Vec3> rest_positions
   if (uses_rest) rest_pose.emplace(mesh, rest_positions);
   if (options.rule == ClosestPointRule::kEuclidean) euclidean.emplace(mesh, vertex_objects);
   if (uses_dcd())
-    search.emplace(mesh, surface, options.detect_edges, positions, PathOptions{options.cull_infeasible_regions, true},
-                   !options.interior_points);
+    search.emplace(mesh, surface, body_faces, options.detect_edges, positions,
+                   PathOptions{options.cull_infeasible_regions, true}, !options.interior_points);
   positions_t0.assign(positions.begin(), positions.end());
   if (search) is_inside.resize(search->feature_count());
   if (splits() && options.rule == ClosestPointRule::kShortestPath) common.emplace(mesh);
   if (splits() && options.wait_for_inverted) pieces = mesh.element_components();
+  if (std::any_of(cloth.thickness.begin(), cloth.thickness.end(), [](double t) { return t > 0; }) && uses_ccd()) {
+    check_positions<3>(rest_positions, mesh.vertex_count(), "rest_positions");
+    std::vector<double> thickness(cloth.thickness.begin(), cloth.thickness.end());
+    thickness.resize(vertex_count(), 0.0);
+    near.emplace(step_to(positions_t0), separated_at_rest(rest_positions, vertex_objects, vertex_count()),
+                 std::move(thickness));
+  }
 }
 
 void ContactFinder::Impl::begin_step(std::span<const Vec3> positions) {
@@ -275,28 +277,15 @@ void ContactFinder::Impl::append_ways_out(std::span<const Vec3> positions, std::
 
 /// All that meet on the way.
 ContinuousPairs ContactFinder::Impl::find_pairs(std::span<const Vec3> positions) {
-  if (impacts) {
-    impacts->update(positions_t0, positions);
-  } else {
-    impacts.emplace(surface, positions_t0, positions, options_with_colliders(mesh, surface));
-  }
-  ContinuousPairs pairs = impacts->find_pairs(&statistics.continuous);
+  ContinuousPairs pairs = impacts.find_pairs(positions_t0, positions, statistics.continuous);
   if (!options.detect_edges) pairs.edge_edge.clear();
   return pairs;
-}
-
-StepImpacts ContactFinder::Impl::with_times(ContinuousPairs pairs) const {
-  StepImpacts found;
-  found.face_times = impacts->find_impact_times(pairs.vertex_face);
-  found.edge_times = impacts->find_impact_times(pairs.edge_edge);
-  found.pairs = std::move(pairs);
-  return found;
 }
 
 /// Those that are to be contacts.
 StepImpacts ContactFinder::Impl::find_impacts(std::span<const Vec3> positions) {
   ContinuousPairs pairs = find_pairs(positions);
-  std::erase_if(pairs.vertex_face, [&](const VertexFacePair& p) { return p.face >= body_face_count(); });
+  std::erase_if(pairs.vertex_face, [&](const VertexFacePair& p) { return p.face >= body_faces; });
   if (splits()) {
     const auto inside_of = [](std::span<const Index> all, Index i) {
       return std::binary_search(all.begin(), all.end(), i);
@@ -306,7 +295,7 @@ StepImpacts ContactFinder::Impl::find_impacts(std::span<const Vec3> positions) {
       return inside_of(inside_edges, p.first) || inside_of(inside_edges, p.second);
     });
   }
-  return with_times(std::move(pairs));
+  return impacts.with_times(std::move(pairs));
 }
 
 /// Those that are to be held back: at no vertex where bodies penetrate. Without the guarantee of no inverted element
@@ -317,29 +306,31 @@ StepImpacts ContactFinder::Impl::find_untangled_impacts(std::span<const Vec3> po
     return tangled.has_any(vertices) || (!options.guarantee && inverted.has_any(vertices));
   };
   std::erase_if(pairs.vertex_face, [&](const VertexFacePair& p) {
-    return (!options.guarantee && p.face >= body_face_count()) || is_left_out({&p.vertex, 1}) ||
+    return (!options.guarantee && p.face >= body_faces) || is_left_out({&p.vertex, 1}) ||
            is_left_out(surface.triangles()[p.face]);
   });
   std::erase_if(pairs.edge_edge, [&](const EdgeEdgePair& p) {
     return is_left_out(surface.edges()[p.first]) || is_left_out(surface.edges()[p.second]);
   });
-  return with_times(std::move(pairs));
+  return impacts.with_times(std::move(pairs));
 }
 
 void ContactFinder::Impl::append_contacts(const StepImpacts& found, std::span<const Vec3> positions,
                                           std::vector<Contact>& contacts) const {
   const std::size_t first = contacts.size();
-  const SurfaceStep step{surface, positions_t0, positions};
-  const auto& [vertex_face, edge_edge] = found.pairs;
-  append_impacts<VertexFacePair>(vertex_face, found.face_times, first_impacts(vertex_face, found.face_times), contacts,
-                                 [&](auto pair, double time) { return vertex_face_contact(step, pair, time); });
-  append_impacts<EdgeEdgePair>(edge_edge, found.edge_times,
-                               first_impacts(edge_edge, found.edge_times, surface.edge_count()), contacts,
-                               [&](auto pair, double time) { return edge_edge_contact(step, pair, time); });
+  append_impact_contacts(step_to(positions), found, contacts);
   const auto waits = [&](const Contact& c) {
     return inverted.has_any(std::span(c.vertices).first(c.count), c.weights);
   };
   contacts.erase(std::remove_if(contacts.begin() + first, contacts.end(), waits), contacts.end());
+}
+
+/// But for what is tangled: the normal may point the wrong way there.
+void ContactFinder::Impl::append_near(std::vector<Contact>& contacts) {
+  const std::size_t first = contacts.size();
+  near->append_contacts(positions_t0, contacts);
+  const auto is_tangled = [&](const Contact& c) { return tangled.has_any(std::span(c.vertices).first(c.count)); };
+  contacts.erase(std::remove_if(contacts.begin() + first, contacts.end(), is_tangled), contacts.end());
 }
 
 void ContactFinder::Impl::find_contacts(std::span<const Vec3> positions, std::vector<Contact>& contacts) {
@@ -348,13 +339,14 @@ void ContactFinder::Impl::find_contacts(std::span<const Vec3> positions, std::ve
   contacts.clear();
   if (uses_dcd()) append_paths(positions, contacts);
   if (uses_ccd()) timed(statistics.seconds_ccd, [&] { append_contacts(find_impacts(positions), positions, contacts); });
+  if (near) timed(statistics.seconds_ccd, [&] { append_near(contacts); });
   for (const Contact& contact : contacts) ++statistics.contacts[static_cast<int>(contact.kind)];
 }
 
 ContactFinder::ContactFinder(const TetMesh& mesh, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
                              std::span<const Index> vertex_objects, ContactOptions options,
-                             std::span<const VertexTuple<3>> colliders)
-    : impl_(std::make_unique<Impl>(mesh, rest_positions, positions, vertex_objects, options, colliders)) {}
+                             std::span<const VertexTuple<3>> colliders, ContactCloth cloth)
+    : impl_(std::make_unique<Impl>(mesh, rest_positions, positions, vertex_objects, options, colliders, cloth)) {}
 ContactFinder::~ContactFinder() = default;
 ContactFinder::ContactFinder(ContactFinder&&) noexcept = default;
 ContactFinder& ContactFinder::operator=(ContactFinder&&) noexcept = default;

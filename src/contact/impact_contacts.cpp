@@ -5,6 +5,7 @@
 #include "selvage/geometry/closest_point.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace selvage {
 
@@ -14,6 +15,8 @@ namespace {
 constexpr double kFlat = 1e-10;
 /// Sine above which a triangle rises through a contact's plane, and not only bends or rounds to the other side.
 constexpr double kSteep = 0.5;
+/// Sine of the angle between a motion and cloth up to which the cloth's normal says little of where it came from.
+constexpr double kAlong = 0.01;
 
 template <std::size_t N>
 struct MovingSimplex {
@@ -51,6 +54,7 @@ std::optional<Vec3> direction(const Vec3& x) {
 /// Sum of the outward area normals of an edge's triangles.
 Vec3 outer_side(const SurfaceStep& step, Index edge, double time) {
   Vec3 sum = Vec3::Zero();
+  if (step.is_cloth(step.surface.edge_triangles(edge))) return sum;
   for (const Index t : step.surface.edge_triangles(edge))
     sum += area_normal(MovingSimplex<3>(step, step.surface.triangles()[t], time).at);
   return sum;
@@ -62,6 +66,7 @@ Vec3 outer_side(const SurfaceStep& step, Index edge, double time) {
 /// rise through the plane: with their normals it is lifted off, not stopped.
 Vec3 fit_to_surface(const SurfaceStep& step, std::span<const Index> triangles, double time, const Vec3& point,
                     const Vec3& normal) {
+  if (step.is_cloth(triangles)) return normal;
   bool rises = false;
   double closest = -2;
   Vec3 fitting = normal;
@@ -98,6 +103,13 @@ Vec3 fit_to_edges(const SurfaceStep& step, EdgeEdgePair pair, double time, const
   return second_in_deeper ? fits_second : fits_first;
 }
 
+/// The normal of a contact with cloth: where it is met along itself, the direction in which the two stood at the start.
+std::optional<Vec3> normal_of_cloth(const Vec3& normal, const Vec3& approach, const Vec3& offset_t0) {
+  if (std::abs(normal.dot(approach)) > kAlong * approach.norm()) return normal;
+  const std::optional<Vec3> from_start = direction(offset_t0);
+  return from_start ? from_start : normal;
+}
+
 }  // namespace
 
 std::array<double, 2> closest_places(const std::array<Vec3, 2>& a, const std::array<Vec3, 2>& b) {
@@ -127,8 +139,11 @@ std::optional<Contact> vertex_face_contact(const SurfaceStep& step, VertexFacePa
     const Vec3 approach = vertex.velocity[0] - weighted(triangle.velocity, closest.barycentric);
     if (normal && time > 0) {
       normal = against(*normal, approach);
-      normal = -fit_to_surface(step, step.surface.vertex_triangles(pair.vertex), time, vertex.at[0], -*normal);
+      const auto around = step.surface.vertex_triangles(pair.vertex);
+      normal = -fit_to_surface(step, around, time, vertex.at[0], -*normal);
       normal = against(*normal, approach);
+      if (step.is_cloth(pair.face) || step.is_cloth(around))
+        normal = normal_of_cloth(*normal, approach, vertex.t0[0] - weighted(triangle.t0, closest.barycentric));
     }
   } else {
     normal = direction(vertex.t0[0] - weighted(triangle.t0, closest.barycentric));
@@ -165,6 +180,9 @@ std::optional<Contact> edge_edge_contact(const SurfaceStep& step, EdgeEdgePair p
       normal = against(*normal, approach);
       normal = fit_to_edges(step, pair, time, weighted(second.at, of_second), *normal);
       normal = against(*normal, approach);
+      if (step.is_cloth(step.surface.edge_triangles(pair.first)) ||
+          step.is_cloth(step.surface.edge_triangles(pair.second)))
+        normal = normal_of_cloth(*normal, approach, weighted(first.t0, of_first) - weighted(second.t0, of_second));
     }
   } else {
     normal = direction(weighted(first.t0, of_first) - weighted(second.t0, of_second));

@@ -13,6 +13,12 @@ struct SurfaceStep {
   const TriangleMesh& surface;
   std::span<const Vec3> positions_t0;
   std::span<const Vec3> positions_t1;
+  /// Triangles from the first to before the last are cloth: neither of its sides is the outer one.
+  Index first_cloth = 0, last_cloth = 0;
+
+  bool is_cloth(Index triangle) const { return triangle >= first_cloth && triangle < last_cloth; }
+  /// Of triangles around a vertex or an edge, which are all of one kind.
+  bool is_cloth(std::span<const Index> triangles) const { return !triangles.empty() && is_cloth(triangles.front()); }
 };
 
 /// The contact of a vertex that runs into a face at the given time. Its normal is that of the face at that time, on the
@@ -21,6 +27,9 @@ struct SurfaceStep {
 /// where the vertex started; nothing where it started there. Where another triangle of the vertex rises steeply through
 /// the plane of the face, the normal is against the closest of those triangles instead: it lifts the vertex off, and
 /// does not stop it.
+///
+/// Of cloth neither side is the outer one, and its triangles may rise on both. Where the two meet nearly along the
+/// face, the normal points to where the vertex started.
 std::optional<Contact> vertex_face_contact(const SurfaceStep& step, VertexFacePair pair, double time);
 
 /// The contact of two edges that run into each other at the given time: the first is the point, the second the

@@ -38,21 +38,32 @@ bool add_once(std::vector<std::uint8_t>& is_listed, Index i, std::vector<Index>&
   return true;
 }
 
+std::vector<Index> vertices_of_bodies(const TetMesh& mesh, const TriangleMesh& surface, Index body_faces) {
+  std::vector<Index> vertices(mesh.boundary_vertices().begin(), mesh.boundary_vertices().end());
+  if (body_faces == mesh.boundary_face_count()) return vertices;
+  for (const auto& t : surface.triangles().subspan(mesh.boundary_face_count(), body_faces - mesh.boundary_face_count()))
+    vertices.insert(vertices.end(), t.begin(), t.end());
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
+}
+
 }  // namespace
 
-PenetrationSearch::PenetrationSearch(const TetMesh& mesh, const TriangleMesh& surface, bool with_edges,
-                                     std::span<const Vec3> positions, PathOptions options, bool joins_parts)
+PenetrationSearch::PenetrationSearch(const TetMesh& mesh, const TriangleMesh& surface, Index body_faces,
+                                     bool with_edges, std::span<const Vec3> positions, PathOptions options,
+                                     bool joins_parts)
     : mesh_(mesh),
       surface_(surface),
       with_edges_(with_edges),
       joins_parts_(joins_parts),
-      boundary_count_(static_cast<Index>(mesh.boundary_vertices().size())),
-      vertex_count_(boundary_count_ + surface.vertex_count() - mesh.vertex_count()),
+      body_vertices_(vertices_of_bodies(mesh, surface, body_faces)),
+      vertex_count_(static_cast<Index>(body_vertices_.size()) + surface.vertex_count() - mesh.vertex_count()),
       vertex_feature_(surface.vertex_count(), kNone),
       positions_(positions.begin(), positions.end()),
       locator_(mesh, mesh_positions()),
       paths_(locator_, options),
-      collisions_(surface, positions, options_with_colliders(mesh, surface)),
+      collisions_(surface, positions, options_with_colliders(body_faces, surface)),
       is_suspect_(surface.triangle_count(), 0) {
   for (Index i = 0; i < vertex_count_; ++i) vertex_feature_[vertex_of(i)] = i;
   list_surface_pieces();

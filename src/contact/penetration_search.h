@@ -22,7 +22,8 @@ struct PointInside {
 /// Boundary vertices and edges of a mesh, and vertices and edges of colliders, with a part inside an element that
 /// shares no vertex with them.
 ///
-/// Features are numbered: first boundary vertices in their order, then those of colliders, then edges of the surface.
+/// Features are numbered: first the vertices of bodies on the surface, ascending, then those of colliders, then edges
+/// of the surface. Cloth holds nothing, but its vertices and edges may be inside.
 ///
 /// The search looks only near crossings of the boundary with itself. Take an edge with a part inside an element, and
 /// follow from there the material that lies in the same place: either it ends at the boundary, which the edge then
@@ -31,19 +32,20 @@ struct PointInside {
 /// vertices whose elements may overlap each other; these are added. See docs/how_it_works/contact.md.
 class PenetrationSearch {
  public:
-  /// @param surface     the boundary, then triangles of colliders: their vertices follow those of the mesh
+  /// @param surface     the boundary, cloth, then triangles of colliders: their vertices follow those of the mesh
+  /// @param body_faces  the boundary's and the cloth's triangles
   /// @param positions   (surface.vertex_count())
   /// @param with_edges  whether edges are features, too
   /// @param joins_parts  whether an edge's parts in connected elements count as one; see middle_of_parts()
-  PenetrationSearch(const TetMesh& mesh, const TriangleMesh& surface, bool with_edges, std::span<const Vec3> positions,
-                    PathOptions options = {}, bool joins_parts = true);
+  PenetrationSearch(const TetMesh& mesh, const TriangleMesh& surface, Index body_faces, bool with_edges,
+                    std::span<const Vec3> positions, PathOptions options = {}, bool joins_parts = true);
 
   Index feature_count() const { return vertex_count_ + (with_edges_ ? surface_.edge_count() : 0); }
   bool is_edge(Index feature) const { return feature >= vertex_count_; }
-  /// Number of a feature among boundary vertices' or among edges' own.
+  /// Number of a feature among vertices or among edges.
   Index vertex_of(Index feature) const {
-    return feature < boundary_count_ ? mesh_.boundary_vertices()[feature]
-                                     : mesh_.vertex_count() + feature - boundary_count_;
+    const auto of_bodies = static_cast<Index>(body_vertices_.size());
+    return feature < of_bodies ? body_vertices_[feature] : mesh_.vertex_count() + feature - of_bodies;
   }
   Index edge_of(Index feature) const { return feature - vertex_count_; }
 
@@ -93,7 +95,7 @@ class PenetrationSearch {
   const TetMesh& mesh_;
   const TriangleMesh& surface_;
   bool with_edges_, joins_parts_;
-  Index boundary_count_ = 0;           ///< vertices on the boundary
+  std::vector<Index> body_vertices_;   ///< on the boundary and of cloth, ascending
   Index vertex_count_ = 0;             ///< those, and the colliders'
   std::vector<Index> vertex_feature_;  ///< per vertex: its number as a feature
   std::vector<Index> pieces_;          ///< a face of each connected piece of the surface

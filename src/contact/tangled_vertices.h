@@ -8,8 +8,8 @@ namespace selvage {
 /// Vertices where bodies penetrate: what is inside, and those of faces that meet others.
 class TangledVertices {
  public:
-  /// @param surface      the boundary of the mesh, then triangles of colliders; must outlive this
-  /// @param body_faces   triangles of the boundary
+  /// @param surface      the boundary of the mesh, cloth, then triangles of colliders; must outlive this
+  /// @param body_faces   triangles of the boundary and of cloth
   /// @param is_strict    whether what is inside counts only with a reason that the surface shows: some face meets
   ///                     another, or all of a connected piece of the surface is inside. Else an inverted element alone,
   ///                     in which points are by mistake, makes its neighbours count.

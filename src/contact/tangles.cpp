@@ -20,7 +20,9 @@ Index number_tangles(const TetMesh& mesh, std::span<const Index> pieces, std::sp
   for (Index i = 0; i < std::ssize(points) && !pieces.empty(); ++i) {
     const PenetratingPoint& point = points[i];
     if (point.vertices[0] >= mesh.vertex_count()) continue;  // of a collider
-    const Index own = mesh.vertex_elements(point.vertices[0]).front();
+    const auto elements = mesh.vertex_elements(point.vertices[0]);
+    if (elements.empty()) continue;  // of cloth
+    const Index own = elements.front();
     if (pieces[own] != pieces[point.query.element]) continue;
     for (int k = 0; k < point.count; ++k) places.push_back({point.vertices[k], i});
   }

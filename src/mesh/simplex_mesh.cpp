@@ -98,6 +98,19 @@ template <int D>
 SimplexMesh<D>::SimplexMesh(Index vertex_count, std::vector<Element> elements)
     : vertex_count_(vertex_count), elements_(std::move(elements)) {
   check_tuples<D + 1>(vertex_count_, elements_, "element");
+  build();
+}
+
+template <int D>
+SimplexMesh<D> SimplexMesh<D>::without_elements(Index vertex_count) {
+  SimplexMesh mesh;
+  mesh.vertex_count_ = vertex_count;
+  mesh.build();
+  return mesh;
+}
+
+template <int D>
+void SimplexMesh<D>::build() {
   build_vertex_stars<D + 1>(vertex_count_, elements_, vertex_element_, vertex_element_first_);
   find_neighbours();
   list_boundary();

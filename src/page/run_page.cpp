@@ -120,12 +120,15 @@ class RunPoses {
  private:
   void add_marks_of(const FrameStatistics& row, std::span<const Vec3> positions, std::size_t pose, Page& page) {
     if (!mesh_) {
-      mesh_.emplace(static_cast<Index>(run_.topology.header.vertices), run_.topology.elements);
-      touches_.emplace(*mesh_, positions, read_stored_colliders(run_.scene, scene_path(run_.folder).string()));
+      const auto vertices = static_cast<Index>(run_.topology.header.vertices);
+      mesh_.emplace(run_.topology.elements.empty() ? TetMesh::without_elements(vertices)
+                                                   : TetMesh(vertices, run_.topology.elements));
+      touches_.emplace(TriangleMesh(vertices, run_.topology.boundary_faces), positions,
+                       read_stored_colliders(run_.scene, scene_path(run_.folder).string()));
     }
     Marks marks;
     if (row.penetrating_vertices + row.triangle_pairs > 0) {
-      if (!finder_) finder_.emplace(*mesh_, positions);
+      if (!finder_) finder_.emplace(*mesh_, run_.topology.boundary_faces, positions);
       marks = finder_->find(positions);
     }
     add_marks(page, surface_, pose, marks, touches_->find(positions, row.time));

@@ -96,10 +96,14 @@ std::vector<double> VertexValues::speeds(std::int64_t frame, std::span<const Vec
 }
 
 Marks VertexValues::find_marks(std::int64_t frame, std::span<const Vec3> positions) {
-  if (!mesh_) mesh_.emplace(static_cast<Index>(run_->topology.header.vertices), run_->topology.elements);
+  if (!mesh_) {
+    const auto vertices = static_cast<Index>(run_->topology.header.vertices);
+    mesh_.emplace(run_->topology.elements.empty() ? TetMesh::without_elements(vertices)
+                                                  : TetMesh(vertices, run_->topology.elements));
+  }
   const FrameStatistics& row = run_->rows[static_cast<std::size_t>(frame)];
   if (row.penetrating_vertices + row.triangle_pairs == 0) return {};
-  if (!marks_) marks_.emplace(*mesh_, positions);
+  if (!marks_) marks_.emplace(*mesh_, run_->topology.boundary_faces, positions);
   return marks_->find(positions);
 }
 
@@ -122,7 +126,7 @@ std::vector<double> VertexValues::contacts(std::int64_t frame, std::span<const V
       for (const Index v : run_->topology.boundary_faces[static_cast<std::size_t>(t)])
         values[static_cast<std::size_t>(v)] = number(pair.kind);
   if (!touches_)
-    touches_.emplace(*mesh_, run_->read_frame_positions(0),
+    touches_.emplace(TriangleMesh(mesh_->vertex_count(), run_->topology.boundary_faces), run_->read_frame_positions(0),
                      read_stored_colliders(run_->scene, scene_path(run_->folder).string()));
   for (const Touch& touch : touches_->find(positions, run_->rows[static_cast<std::size_t>(frame)].time))
     for (const Index v : touch.vertices) {

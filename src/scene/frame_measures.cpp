@@ -69,6 +69,7 @@ void FrameMeasures::measure(const State& state, std::int64_t frame, FrameStatist
 
 const Body* find_body_without_volume(const Model& model, const State& state) {
   for (const Body& body : model.bodies) {
+    if (body.is_cloth()) continue;
     double volume = 0, at_rest = 0;
     for (Index e = body.first_element; e < body.first_element + body.element_count; ++e) {
       volume += volume_of(state.positions, model.mesh.elements()[e]);

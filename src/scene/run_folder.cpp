@@ -68,6 +68,7 @@ void write_vtu_frame(const fs::path& path, const Model& model, const State& stat
   VtkGrid grid;
   grid.points = state.positions;
   grid.tetrahedra.assign(model.mesh.elements().begin(), model.mesh.elements().end());
+  grid.triangles = model.triangles;
   VtkField velocity{"velocity", 3, {}}, body{"body", 1, std::vector<double>(state.positions.size(), -1)};
   for (const Vec3& v : state.velocities) velocity.values.insert(velocity.values.end(), v.data(), v.data() + 3);
   for (std::size_t b = 0; b < model.bodies.size(); ++b)
@@ -77,14 +78,26 @@ void write_vtu_frame(const fs::path& path, const Model& model, const State& stat
   write_vtu(path, grid);
 }
 
-/// The boundary with its own vertices only, and each body as a group.
+/// The boundary and cloth with their own vertices only, and each body as a group.
 void write_surface_frame(const fs::path& path, const Model& model, const State& state) {
-  IndexedMesh surface = boundary_mesh(model.mesh, state.positions);
-  for (const Body& body : model.bodies) surface.group_names.push_back(body.name);
-  for (const HalfFace owner : model.mesh.boundary_owners()) {
-    const auto behind = std::upper_bound(model.bodies.begin(), model.bodies.end(), owner.element(),
-                                         [](Index e, const Body& body) { return e < body.first_element; });
-    surface.groups.push_back(static_cast<Index>(behind - model.bodies.begin()) - 1);
+  IndexedMesh surface;
+  std::vector<Index> number(state.positions.size(), kNone), body_of(state.positions.size(), kNone);
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const Body& body = model.bodies[b];
+    surface.group_names.push_back(body.name);
+    std::fill_n(body_of.begin() + body.first_vertex, body.vertex_count, static_cast<Index>(b));
+  }
+  const std::vector<VertexTuple<3>> triangles = surface_triangles(model);
+  for (const auto& triangle : triangles)
+    for (const Index v : triangle) number[v] = 0;
+  for (std::size_t v = 0; v < number.size(); ++v) {
+    if (number[v] == kNone) continue;
+    number[v] = static_cast<Index>(surface.positions.size());
+    surface.positions.push_back(state.positions[v]);
+  }
+  for (const auto& [a, b, c] : triangles) {
+    surface.triangles.push_back({number[a], number[b], number[c]});
+    surface.groups.push_back(body_of[a]);
   }
   write_mesh(path, surface);
 }

@@ -10,6 +10,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <limits>
+
 namespace selvage {
 
 namespace {
@@ -32,14 +35,22 @@ IndexedMesh load_mesh(const MeshSource& source) {
   });
 }
 
-IndexedMesh load_solid(const MeshSource& source) {
+/// The mesh of a body; of cloth without elements, of a solid without triangles.
+IndexedMesh load_body(const BodyDescription& body, const MeshSource& source) {
   IndexedMesh mesh = load_mesh(source);
-  if (mesh.tetrahedra.empty()) throw Error(source.where, "is a surface", "a body needs a mesh of tetrahedra");
+  const bool is_solid = !mesh.tetrahedra.empty();
+  if (!body.is_cloth() && !is_solid)
+    throw Error(source.where, "is a surface",
+                R"(give its body a material of the kind "cloth", or a mesh of tetrahedra)");
+  if (body.is_cloth() && is_solid)
+    throw Error(source.where, "is a mesh of tetrahedra, and its body's material is cloth",
+                "give a surface of triangles, or another material");
+  if (is_solid) mesh.triangles.clear();
   return mesh;
 }
 
 void check_same_elements(const IndexedMesh& a, const IndexedMesh& b, const std::string& where) {
-  if (a.positions.size() == b.positions.size() && a.tetrahedra == b.tetrahedra) return;
+  if (a.positions.size() == b.positions.size() && a.tetrahedra == b.tetrahedra && a.triangles == b.triangles) return;
   throw Error(where, "has not the elements of the mesh", "give the same mesh in two poses");
 }
 
@@ -55,7 +66,7 @@ void apply_named_pose(const NamedPose& pose, IndexedMesh& mesh) {
 }
 
 TwoShapes load_shapes(const BodyDescription& body) {
-  TwoShapes shapes{load_solid(body.mesh), {}};
+  TwoShapes shapes{load_body(body, body.mesh), {}};
   IndexedMesh posed = shapes.rest;
   for (const NamedPose& pose : body.poses) {
     at_place(pose.where, [&] { apply_named_pose(pose, posed); });
@@ -64,7 +75,7 @@ TwoShapes load_shapes(const BodyDescription& body) {
   }
   shapes.start = std::move(posed.positions);
   if (body.rest) {
-    IndexedMesh rest = load_solid(*body.rest);
+    IndexedMesh rest = load_body(body, *body.rest);
     check_same_elements(rest, shapes.rest, body.rest->where);
     shapes.rest.positions = std::move(rest.positions);
   }
@@ -78,9 +89,19 @@ std::string box_text(std::span<const Vec3> positions) {
                      least[2], most[0], most[1], most[2]);
 }
 
+/// Thickness of cloth where the scene gives none: a millimetre, or less where triangles are small [m].
+double usual_thickness(std::span<const VertexTuple<3>> triangles, std::span<const Vec3> rest) {
+  constexpr double kUsual = 1e-3, kPartOfEdge = 0.1;
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const auto& [a, b, c] : triangles)
+    shortest = std::min({shortest, (rest[a] - rest[b]).norm(), (rest[b] - rest[c]).norm(), (rest[c] - rest[a]).norm()});
+  return std::min(kUsual, kPartOfEdge * shortest);
+}
+
 /// All bodies of a scene, as they are put together.
 struct Assembly {
   std::vector<VertexTuple<4>> elements;
+  std::vector<VertexTuple<3>> triangles;  ///< of cloth
   std::vector<Vec3> rest, start;
   std::vector<Body> bodies;
   std::vector<Handle> handles;
@@ -93,12 +114,15 @@ struct Assembly {
 void Assembly::add_copy(const BodyDescription& body, const TwoShapes& shapes, const Placement& copy,
                         const std::string& name) {
   const std::size_t vertices = rest.size() + shapes.start.size(),
-                    count = elements.size() + shapes.rest.tetrahedra.size();
+                    count = std::max(elements.size() + shapes.rest.tetrahedra.size(),
+                                     triangles.size() + shapes.rest.triangles.size());
   if (vertices > std::size_t{1} << 30 || count > std::size_t{1} << 29)
     throw Error(body.where, "makes the scene too large", "use fewer copies or coarser meshes");
   const auto first = static_cast<Index>(rest.size());
   bodies.push_back({name, first, static_cast<Index>(shapes.start.size()), static_cast<Index>(elements.size()),
-                    static_cast<Index>(shapes.rest.tetrahedra.size()), body.material, body.velocity});
+                    static_cast<Index>(shapes.rest.tetrahedra.size()), body.material.solid, body.velocity,
+                    static_cast<Index>(triangles.size()), static_cast<Index>(shapes.rest.triangles.size()),
+                    body.material.cloth});
   for (const Vec3& p : shapes.rest.positions) rest.push_back(body.place.apply(copy.apply(p)));
   for (const Vec3& p : shapes.start) start.push_back(body.place.apply(copy.apply(p)));
   for (std::size_t e = 0; e < shapes.rest.tetrahedra.size(); ++e) {
@@ -107,6 +131,13 @@ void Assembly::add_copy(const BodyDescription& body, const TwoShapes& shapes, co
     if (orientation({rest[first + a], rest[first + b], rest[first + c], rest[first + d]}) <= 0)
       throw Error(body.where, fmt::format("element {} of its mesh is flat or inverted at rest", e),
                   "name a mesh under 'rest' in which none is");
+  }
+  for (const auto& [a, b, c] : shapes.rest.triangles) triangles.push_back({first + a, first + b, first + c});
+  if (body.is_cloth()) {
+    ClothMaterial& cloth = bodies.back().cloth;
+    cloth.warp_direction = body.place.turn * (copy.turn * cloth.warp_direction);
+    if (cloth.thickness == kNotGiven)
+      cloth.thickness = usual_thickness(std::span(triangles).subspan(bodies.back().first_triangle), rest);
   }
   holder.resize(rest.size(), kNone);
   add_handles(body, shapes, first);
@@ -161,6 +192,7 @@ std::uint64_t fingerprint_of(const SceneDescription& description, const Scene& s
   Fingerprint print;
   print.add(description.canonical);
   print.add(scene.model.mesh.elements());
+  print.add(std::span<const VertexTuple<3>>(scene.model.triangles));
   print.add(std::span<const Vec3>(scene.model.rest_positions));
   print.add(std::span<const Vec3>(scene.initial_state.positions));
   for (const Collider& collider : scene.colliders) {
@@ -182,8 +214,10 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& path, std:
   scene.name = path.stem().string();
   scene.scale = scale;
   scene.model = at_place(path.string() + ": bodies", [&] {
-    TetMesh mesh(static_cast<Index>(all.rest.size()), std::move(all.elements));
-    return make_model(std::move(mesh), std::move(all.rest), std::move(all.bodies));
+    const auto vertices = static_cast<Index>(all.rest.size());
+    TetMesh mesh =
+        all.elements.empty() ? TetMesh::without_elements(vertices) : TetMesh(vertices, std::move(all.elements));
+    return make_model(std::move(mesh), std::move(all.rest), std::move(all.bodies), std::move(all.triangles));
   });
   scene.initial_state =
       at_place(path.string() + ": bodies", [&] { return make_state(scene.model, std::move(all.start)); });

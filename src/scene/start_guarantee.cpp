@@ -36,7 +36,7 @@ const Body& body_of(const Model& model, Index vertex) {
 void check_guarantee(const Scene& scene, const std::string& file) {
   if (!scene.options.contact.guarantee) return;
   const std::vector<Index> holders = holders_of(scene);
-  const TriangleMesh surface = boundary_surface(scene.model.mesh);
+  const TriangleMesh surface = surface_of(scene.model);
   const std::vector<TrianglePair> pairs = SelfCollisionFinder(surface, scene.initial_state.positions).find_pairs();
   for (const TrianglePair& pair : pairs) {
     const auto &a = surface.triangles()[pair.first], &b = surface.triangles()[pair.second];

@@ -13,13 +13,16 @@ constexpr double kMaxCorrection = 0.25;
 
 std::vector<double> max_corrections_of(const Model& model) {
   std::vector<double> corrections(model.mesh.vertex_count(), 0);
-  for (const auto& element : model.mesh.elements())
-    for (const Index v : element)
-      for (const Index w : element) {
+  const auto add = [&](std::span<const Index> vertices) {
+    for (const Index v : vertices)
+      for (const Index w : vertices) {
         if (v == w) continue;
         const double correction = kMaxCorrection * (model.rest_positions[v] - model.rest_positions[w]).norm();
         if (corrections[v] == 0 || correction < corrections[v]) corrections[v] = correction;
       }
+  };
+  for (const auto& element : model.mesh.elements()) add(element);
+  for (const auto& triangle : model.triangles) add(triangle);
   return corrections;
 }
 

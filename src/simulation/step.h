@@ -14,7 +14,7 @@ struct Step {
 };
 
 /// Largest distance by which one projection sends each vertex out of a body: a fraction of its shortest edge at rest
-/// [m]; 0 without an element. O(n).
+/// [m]; 0 without an element or triangle. O(n).
 std::vector<double> max_corrections_of(const Model& model);
 
 /// Fraction of a vertex's largest correction by which a contact keeps it in front of a surface.

@@ -147,7 +147,7 @@ TEST_P(PenetrationSearchOf, IsThatOfAllPairsInEveryPoseOfEveryMotion) {
     Solid solid = GetParam().make(random);
     const TetMesh mesh = solid.mesh();
     const TriangleMesh surface = boundary_surface(mesh);
-    PenetrationSearch search(mesh, surface, true, solid.positions, {}, joins);
+    PenetrationSearch search(mesh, surface, mesh.boundary_face_count(), true, solid.positions, {}, joins);
     for (std::int64_t step = 0; step < scaled(6); ++step) {
       PenetrationCounters counters;
       search.place(solid.positions);
@@ -173,7 +173,7 @@ TEST_P(PenetrationSearchOf, FindsTheVerticesThatTheElementsHierarchyFinds) {
   Solid solid = GetParam().make(random);
   const TetMesh mesh = solid.mesh();
   const TriangleMesh surface = boundary_surface(mesh);
-  PenetrationSearch search(mesh, surface, false, solid.positions);
+  PenetrationSearch search(mesh, surface, mesh.boundary_face_count(), false, solid.positions);
   for (int step = 0; step < 5; ++step) {
     for (Vec3& x : solid.positions) x += random.vector(0.05);
     PenetrationCounters counters;
@@ -211,7 +211,7 @@ TEST(PenetrationSearch, LooksAtFewFeaturesOfAMotionInSmallSteps) {
   Flight flight;
   const TetMesh mesh = flight.solid.mesh();
   const TriangleMesh surface = boundary_surface(mesh);
-  PenetrationSearch search(mesh, surface, true, flight.at(0));
+  PenetrationSearch search(mesh, surface, mesh.boundary_face_count(), true, flight.at(0));
   PenetrationCounters counters;
   std::int64_t held = 0;
   for (int step = 0; step < 60; ++step) {
@@ -231,7 +231,7 @@ TEST(PenetrationSearch, IsTheSameForAnyNumberOfThreads) {
     Flight flight;
     const TetMesh mesh = flight.solid.mesh();
     const TriangleMesh surface = boundary_surface(mesh);
-    PenetrationSearch search(mesh, surface, true, flight.at(0));
+    PenetrationSearch search(mesh, surface, mesh.boundary_face_count(), true, flight.at(0));
     PenetrationCounters counters;
     std::vector<std::vector<Penetration>> all;
     for (int step = 30; step < 50; step += 4) {

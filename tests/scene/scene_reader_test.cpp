@@ -86,7 +86,7 @@ TEST(SceneReader, ReadsEveryKey) {
   ASSERT_EQ(scene.bodies.size(), 2u);
   EXPECT_EQ(scene.bodies[0].name, "block");
   EXPECT_EQ(scene.bodies[1].name, "body1");
-  EXPECT_EQ(scene.bodies[0].material.density, 900);
+  EXPECT_EQ(scene.bodies[0].material.solid.density, 900);
   EXPECT_EQ(scene.bodies[0].poses.size(), 2u);
   ASSERT_EQ(scene.bodies[0].handles.size(), 2u);
   EXPECT_TRUE(scene.bodies[0].handles[0].motion.keyframes.empty());
@@ -127,16 +127,16 @@ TEST(SceneReader, TakesMoreStepsWhereDensitiesDifferAndDampsWhatSwings) {
   const SceneDescription scene = described("mh", "");
   EXPECT_EQ(scene.options.time_step, 1.0 / (60 * 23));
   EXPECT_EQ(scene.options.deformation_damping, 1);
-  EXPECT_EQ(scene.bodies[0].material.damping, 0.002);
+  EXPECT_EQ(scene.bodies[0].material.solid.damping, 0.002);
   EXPECT_EQ(described("l", R"(, "deformation_damping": 0)").options.deformation_damping, 0);
-  EXPECT_EQ(described("l", R"(, "solver": "vbd")").bodies[0].material.damping, 0);
+  EXPECT_EQ(described("l", R"(, "solver": "vbd")").bodies[0].material.solid.damping, 0);
   const std::string soft = R"({"selvage_scene": 1, "bodies": [{"mesh": {"shape": "box"}}]})";
-  EXPECT_EQ(describe_scene(soft, kFile, "").bodies[0].material.damping, 0.002);
+  EXPECT_EQ(describe_scene(soft, kFile, "").bodies[0].material.solid.damping, 0.002);
 }
 
 TEST(SceneReader, CompliancesAreModuli) {
   const std::string scene = patched("/bodies/0/material", "\"soft\"");
-  const Material material = describe_scene(scene, kFile, "").bodies[0].material;
+  const Material material = describe_scene(scene, kFile, "").bodies[0].material.solid;
   const double e = material.youngs_modulus, nu = material.poisson_ratio;
   EXPECT_NEAR(e * nu / ((1 + nu) * (1 - 2 * nu)), 1e5, 1e-6);
   EXPECT_NEAR(e / (2 * (1 + nu)), 5e4, 1e-6);

@@ -36,7 +36,7 @@ class Judge {
       for (Index& v : t) v += model.mesh.vertex_count();
     surface_ =
         surface_with_colliders(model.mesh, triangles, model.rest_positions.size() + collider_surface_.positions.size());
-    options_ = options_with_colliders(model.mesh, surface_);
+    options_ = options_with_colliders(model.mesh.boundary_face_count(), surface_);
     options_.method = CullingMethod::kBvh;
   }
 

@@ -30,6 +30,7 @@ struct Contact {
   std::array<double, kMaxVertices> weights{};
   Vec3 normal = Vec3::Zero();     ///< unit; out of the surface, or to the side that the point came from
   Vec3 point = Vec3::Zero();      ///< of the surface: the closest boundary point, or where they met [m]
+  double distance = 0;            ///< that is kept in front of the surface, where it was there before: of cloth [m]
   double time = 0;                ///< of impact, as a fraction of the step; 0 for DCD
   Index point_feature = kNone;    ///< the penetrating feature: a vertex, a boundary edge or an element, by its number
   Index surface_feature = kNone;  ///< the feature that it meets: a boundary face, or for kEdgeEdge a boundary edge

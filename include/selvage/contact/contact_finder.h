@@ -50,6 +50,14 @@ struct StepImpacts {
   std::vector<double> face_times, edge_times;  ///< of the pairs: see ContinuousCollisionFinder::find_impact_times()
 };
 
+/// Cloth among the bodies of a ContactFinder.
+struct ContactCloth {
+  std::span<const VertexTuple<3>> triangles{};  ///< on vertices of the mesh that no element has
+  /// (n_vertices) half of the thickness at each, 0 where there is no cloth; empty: none [m]. Contacts hold what is near
+  /// to cloth off by it, and by twice of it cloth from cloth. What is as near at rest is left alone.
+  std::span<const double> thickness{};
+};
+
 /// Contacts of a tetrahedral mesh with itself during a step: of its objects with one another and each with itself; and
 /// those of its faces, edges and elements with the vertices and edges of colliders.
 ///
@@ -57,6 +65,9 @@ struct StepImpacts {
 /// vertices follow those of the mesh in all positions. What is found: their vertices and edges inside elements, their
 /// vertices that run into faces, and their edges that run into edges. A vertex of the mesh that runs into a face of an
 /// collider is not: keep it out by the shape that the surface stands for.
+///
+/// Cloth has no inside. Its vertices and edges are found inside elements, and all that it runs into by CCD, from both
+/// of its sides.
 ///
 /// A step is begin_step() with the positions that it starts from, then find_contacts() with those that the solver of
 /// the material proposes. Any sequence of positions is legal, tangled and inverted meshes too.
@@ -77,14 +88,15 @@ class ContactFinder {
   /// @param vertex_objects  (n_vertices) number of the object that each vertex belongs to, for
   ///                        ClosestPointRule::kEuclidean; empty: connected components
   /// @param colliders       triangles of colliders, outward, on vertices from n_vertices on
-  /// @throws Error          when sizes differ, a position is not finite, the rule lacks what it needs, or a collider
-  ///                        has a vertex of the mesh
+  /// @param cloth           with a thickness it needs rest positions
+  /// @throws Error          when sizes differ, a position is not finite, the rule lacks what it needs, a collider has a
+  ///                        vertex of the mesh, or cloth one of an element
   ContactFinder(const TetMesh& mesh, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
                 std::span<const Index> vertex_objects = {}, ContactOptions options = {},
-                std::span<const VertexTuple<3>> colliders = {});
+                std::span<const VertexTuple<3>> colliders = {}, ContactCloth cloth = {});
   ContactFinder(const TetMesh&& mesh, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
                 std::span<const Index> vertex_objects = {}, ContactOptions options = {},
-                std::span<const VertexTuple<3>> colliders = {}) = delete;
+                std::span<const VertexTuple<3>> colliders = {}, ContactCloth cloth = {}) = delete;
   ~ContactFinder();
   ContactFinder(ContactFinder&&) noexcept;
   ContactFinder& operator=(ContactFinder&&) noexcept;
@@ -95,7 +107,8 @@ class ContactFinder {
 
   /// Contacts of the step that ends at the given positions, sorted by kind, then by what penetrates: for each point
   /// that is inside an element its way out; for each free vertex its first impact on a face; pairs of free edges that
-  /// are the first impact of one of the two. Parallel; the same bits for any number of threads.
+  /// are the first impact of one of the two. After all of these what is near to thick cloth at the start of the step.
+  /// Parallel; the same bits for any number of threads.
   /// @throws Error  also before the first begin_step()
   void find_contacts(std::span<const Vec3> positions_t1, std::vector<Contact>& contacts);
 
@@ -114,7 +127,8 @@ class ContactFinder {
   /// Of the last step.
   const ContactStatistics& statistics() const;
 
-  /// The boundary's faces, then the colliders', and edges of both, by whose numbers contacts name them.
+  /// The boundary's faces, then cloth, then the colliders' faces, and edges of all, by whose numbers contacts name
+  /// them.
   const TriangleMesh& surface() const;
 
   /// Vertices and edges of the boundary and of colliders that are inside an element at the start of the step,

@@ -57,6 +57,9 @@ class SimplexMesh {
   ///                      two elements share a face; it names the element
   SimplexMesh(Index vertex_count, std::vector<Element> elements);
 
+  /// Vertices without any element, as those of a model in which all is cloth. A PointLocator of it finds nothing.
+  static SimplexMesh without_elements(Index vertex_count);
+
   Index vertex_count() const { return vertex_count_; }
   Index element_count() const { return static_cast<Index>(elements_.size()); }
   Index boundary_face_count() const { return static_cast<Index>(boundary_faces_.size()); }
@@ -103,6 +106,7 @@ class SimplexMesh {
   static std::span<const Index> star(const std::vector<Index>& items, const std::vector<Index>& first, Index v) {
     return {items.data() + first[static_cast<std::size_t>(v)], items.data() + first[static_cast<std::size_t>(v) + 1]};
   }
+  void build();
   void find_neighbours();
   void list_boundary();
   void link_boundary();

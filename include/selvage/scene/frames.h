@@ -19,9 +19,9 @@ namespace selvage {
 ///       48  float64    time [s]
 ///       56  uint64     fingerprint of the scene
 ///
-/// topology.bin: elements (n_elements x 4 int32), body of each vertex (n_vertices int32), boundary faces (rest x 3
-/// int32, outward). frames/frame_000000.bin: positions (n_vertices x 3 float32) [m]; rest.bin the same at rest.
-/// checkpoint.bin: positions and velocities (twice n_vertices x 3 float64), then how long
+/// topology.bin: elements (n_elements x 4 int32), body of each vertex (n_vertices int32), boundary faces, outward, and
+/// then cloth (rest x 3 int32). frames/frame_000000.bin: positions (n_vertices x 3 float32) [m]; rest.bin the same at
+/// rest. checkpoint.bin: positions and velocities (twice n_vertices x 3 float64), then how long
 /// each body has rested (n_bodies float64) [s], or nothing. Frames are for viewing, for which single
 /// precision suffices. Runs are continued, and statistics measured, in double precision. Frames of a guaranteed run are
 /// exact (n_vertices x 3 float64): rounded positions might meet.

@@ -33,7 +33,7 @@ class StepVertices {
 /// Called in each iteration of a step, numbered from 0, after the material and before contacts and colliders.
 using UserConstraint = std::function<void(const StepVertices& vertices, int iteration)>;
 
-/// Deformable bodies in time: XPBD with the contacts of SPB.
+/// Deformable bodies and cloth in time: XPBD with the contacts of SPB.
 ///
 /// One step is SPB's supplement, algorithm 5, but that contacts are found after the first half of the iterations and
 /// projected then and after each of the others, not once. The material is solved by Gauss-Seidel over blocks of
@@ -76,7 +76,7 @@ class XpbdSolver {
 
   /// Of the last step, as found in the middle of it and projected until its end, in the order of
   /// ContactFinder::find_contacts(). Boundary faces are numbered as in TetMesh::boundary_faces() of the model's mesh,
-  /// edges as in the TriangleMesh of these faces. Vertices, faces and edges with higher numbers are of colliders: of
+  /// then triangles of cloth, edges as in the TriangleMesh of all of these, surface_of(). Vertices, faces and edges with higher numbers are of colliders: of
   /// their edges, corners and narrow round sides. Valid until the next step.
   std::span<const Contact> contacts() const;
 

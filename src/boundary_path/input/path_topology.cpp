@@ -323,7 +323,7 @@ std::vector<std::uint8_t> find_boundary(const SimplexMesh<D>& mesh) {
 template <int D>
 PathTopology<D>::PathTopology(const SimplexMesh<D>& mesh)
     : component_of(mesh.element_components()),
-      component_count(*std::max_element(component_of.begin(), component_of.end()) + 1),
+      component_count(component_of.empty() ? 0 : *std::max_element(component_of.begin(), component_of.end()) + 1),
       hints(nearest_boundary_faces(mesh)),
       elements(list_elements(mesh)),
       face_stars(list_face_stars(mesh, component_of)),

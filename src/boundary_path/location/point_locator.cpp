@@ -13,7 +13,8 @@ namespace {
 
 template <int D>
 const SimplexMesh<D>& with_elements(const SimplexMesh<D>& mesh) {
-  if (mesh.element_count() == 0) throw Error("mesh", "there is no element", "give at least one");
+  if (mesh.element_count() == 0 && mesh.vertex_count() == 0)
+    throw Error("mesh", "there is no element", "give at least one");
   return mesh;
 }
 

@@ -193,10 +193,12 @@ void print_summary(const SimulateOptions& options, const Scene& scene, const Run
   const FrameStatistics& last = report.frames.back();
   const std::int64_t run = last.frame - report.first_frame;
   Table table;
-  table.add("scene", fmt::format("{}{}{}, {} {}, {} vertices, {} tetrahedra", scene.name,
+  const auto triangles = std::ssize(scene.model.triangles);
+  table.add("scene", fmt::format("{}{}{}, {} {}, {} vertices, {} tetrahedra{}", scene.name,
                                  scene.scale.empty() ? "" : " at scale ", scene.scale, scene.model.bodies.size(),
                                  scene.model.bodies.size() == 1 ? "body" : "bodies",
-                                 grouped(scene.model.mesh.vertex_count()), grouped(scene.model.mesh.element_count())));
+                                 grouped(scene.model.mesh.vertex_count()), grouped(scene.model.mesh.element_count()),
+                                 triangles > 0 ? fmt::format(", {} triangles of cloth", grouped(triangles)) : ""));
   table.add("frames", report.first_frame > 0
                           ? fmt::format("{}, {} of them now, continued from {}", last.frame, run, report.first_frame)
                           : fmt::format("{}", last.frame));

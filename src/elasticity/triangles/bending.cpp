@@ -90,6 +90,10 @@ double hinge_angle(const HingePositions& x) {
   return Hinge(x).angle();
 }
 
+StencilGradient<4> hinge_angle_gradient(const HingePositions& x) {
+  return Hinge(x).gradient();
+}
+
 HingeBending HingeBending::of(const HingePositions& rest, double sheet_stiffness) {
   const Hinge hinge(rest);
   const double area = (hinge.normals[0].norm() + hinge.normals[1].norm()) / 2;

@@ -12,6 +12,9 @@ using HingePositions = StencilPositions<4>;
 /// towards the side to which the normals point. 0 also where a triangle has no area.
 double hinge_angle(const HingePositions& x);
 
+/// How that angle changes with the vertices [1/m]; zero where a triangle has no area.
+StencilGradient<4> hinge_angle_gradient(const HingePositions& x);
+
 /// Bending over an edge: stiffness/2 (angle - rest_angle)^2, with the difference taken into (-pi, pi]. Where a triangle
 /// has no area there is no force.
 /// Source: Grinspun, Hirani, Desbrun, Schroeder 2003, Discrete shells; derivatives as in Tamstorf and Grinspun 2013.

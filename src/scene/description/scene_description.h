@@ -7,6 +7,7 @@
 #include "selvage/simulation/model.h"
 
 #include <filesystem>
+#include <map>
 
 namespace selvage {
 
@@ -55,6 +56,18 @@ struct HandleDescription {
   double release_time;
 };
 
+/// In place of a number that the scene does not give, until all is known that it follows from.
+inline constexpr double kNotGiven = -1;
+
+/// Material of a body: of solids, or of cloth.
+struct BodyMaterial {
+  enum class Kind : std::uint8_t { kAny, kSolid, kCloth } kind = Kind::kAny;  ///< kAny: not given
+  Material solid;
+  ClothMaterial cloth;
+
+  BodyMaterial(Kind k = Kind::kAny) : kind(k) { solid.damping = cloth.damping = cloth.thickness = kNotGiven; }
+};
+
 /// Bodies of one mesh and one material: one, or many copies.
 struct BodyDescription {
   std::string name;
@@ -63,7 +76,12 @@ struct BodyDescription {
   std::vector<NamedPose> poses;
   Placement place;
   std::vector<Placement> instances;  ///< at least one; each is applied before `place`
-  Material material;
+  BodyMaterial material;
+
+  bool is_cloth() const {
+    return material.kind == BodyMaterial::Kind::kCloth ||
+           (material.kind == BodyMaterial::Kind::kAny && mesh.shape == "cloth");
+  }
   Vec3 velocity = Vec3::Zero();
   std::vector<HandleDescription> handles;
   std::string where;
@@ -105,7 +123,9 @@ MeshSource read_mesh_source(const JsonValue& value, const std::filesystem::path&
 std::vector<NamedPose> read_poses(const JsonValue& value);
 Placement read_placement(JsonObject& object);
 std::vector<Placement> read_instances(const JsonValue& value);
-Material read_material(const JsonValue& value);
+BodyMaterial read_material(const JsonValue& value);
+/// A material, written out or by the name that the scene gives it.
+BodyMaterial find_material(const JsonValue& value, const std::map<std::string, BodyMaterial>& named);
 Region read_region(const JsonValue& value);
 Motion read_motion(const JsonValue& value);
 ColliderDescription read_collider(const JsonValue& value, const std::filesystem::path& folder);

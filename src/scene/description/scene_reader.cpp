@@ -18,9 +18,6 @@ namespace {
 constexpr double kDeformationDamping = 1, kMaterialDamping = 0.002;
 /// Of scenes that say nothing: 7 cm/s for a body of one metre.
 constexpr double kSleepSpeed = 0.015;
-/// In place of a damping, until the solver is known: the implicit ones damp enough by themselves.
-constexpr double kNotGiven = -1;
-
 constexpr double kForever = std::numeric_limits<double>::infinity();
 
 Keyframe read_keyframe(const JsonValue& value) {
@@ -32,29 +29,6 @@ Keyframe read_keyframe(const JsonValue& value) {
   return keyframe;
 }
 
-/// Lame's constants from compliances, as Young's modulus and Poisson's ratio.
-void set_by_compliance(double hydrostatic, double deviatoric, Material& material) {
-  const double lambda = 1 / hydrostatic, mu = 1 / deviatoric;
-  material.youngs_modulus = mu * (3 * lambda + 2 * mu) / (lambda + mu);
-  material.poisson_ratio = lambda / (2 * (lambda + mu));
-}
-
-void read_neo_hookean(JsonObject& object, Material& material) {
-  const auto modulus = object.find("youngs_modulus"), ratio = object.find("poisson_ratio");
-  const auto hydrostatic = object.find("hydrostatic_compliance"), deviatoric = object.find("deviatoric_compliance");
-  if ((modulus || ratio) && (hydrostatic || deviatoric))
-    object.value().fail("gives both moduli and compliances", "give one pair");
-  if (hydrostatic.has_value() != deviatoric.has_value())
-    object.value().fail("gives one compliance of two", "give hydrostatic_compliance and deviatoric_compliance");
-  if (modulus) material.youngs_modulus = modulus->number(kPositive);
-  if (ratio) material.poisson_ratio = ratio->number({0, 0.499});
-  if (!hydrostatic) return;
-  set_by_compliance(hydrostatic->number(kPositive), deviatoric->number(kPositive), material);
-  if (!std::isfinite(material.youngs_modulus) || !(material.youngs_modulus > 0) || !(material.poisson_ratio < 0.5))
-    object.value().fail("has compliances that are too small or too different",
-                        "give such that Young's modulus is finite and Poisson's ratio below 0.5");
-}
-
 HandleDescription read_handle(const JsonValue& value) {
   JsonObject object(value);
   HandleDescription handle{read_region(object.get("region")), read_motion(object.get("motion")), kForever};
@@ -63,24 +37,10 @@ HandleDescription read_handle(const JsonValue& value) {
   return handle;
 }
 
-/// A material, written out or by the name that the scene gives it.
-Material find_material(const JsonValue& value, const std::map<std::string, Material>& named) {
-  if (!value.json().is_string()) return read_material(value);
-  const auto found = named.find(value.text());
-  if (found != named.end()) return found->second;
-  std::vector<std::string> names;
-  names.reserve(named.size());
-  for (const auto& [name, ignored] : named)
-    names.push_back(Json(name).dump(-1, ' ', true, Json::error_handler_t::replace));
-  value.fail("there is no material of that name",
-             names.empty() ? "list it in 'materials'" : fmt::format("use one of {}", fmt::join(names, ", ")));
-}
-
 BodyDescription read_body(const JsonValue& value, std::size_t number, const std::filesystem::path& folder,
-                          const std::map<std::string, Material>& materials) {
+                          const std::map<std::string, BodyMaterial>& materials) {
   JsonObject object(value);
   BodyDescription body;
-  body.material.damping = kNotGiven;
   body.where = value.file() + ": " + value.path();
   body.name = fmt::format("body{}", number);
   if (const auto v = object.find("name")) body.name = v->text();
@@ -131,25 +91,38 @@ void read_minimiser(JsonObject& object, SceneDescription& scene) {
 void refuse_rigid_springs(const SceneDescription& scene) {
   if (scene.solver == SolverKind::kXpbd) return;
   for (const BodyDescription& body : scene.bodies)
-    if (body.material.kind == MaterialKind::kMassSpring &&
-        !(body.material.edge_compliance > 0 && body.material.volume_compliance > 0))
+    if (const Material& material = body.material.solid;
+        material.kind == MaterialKind::kMassSpring && !(material.edge_compliance > 0 && material.volume_compliance > 0))
       throw Error(body.where, "has a material of rigid springs, or of rigid volume",
                   "give edge_compliance and volume_compliance above 0, or use the solver xpbd");
 }
 
+void refuse_cloth_by_vbd(const SceneDescription& scene) {
+  if (scene.solver != SolverKind::kVbd) return;
+  for (const BodyDescription& body : scene.bodies)
+    if (body.is_cloth())
+      throw Error(body.where, "is cloth, which the solver vbd does not know",
+                  "use the solver xpbd or newton, or leave the cloth out");
+}
+
 /// Steps a frame where the scene gives none. XPBD carries what lies on a body by as much as the material moves the
 /// body's surface back in a step: for a load, as much as the step's length squared over the mass of that surface. Where
-/// densities differ more than in kSameSteps, steps are shorter by the root.
+/// densities differ more than in kSameSteps, steps are shorter by the root. Cloth is stiff for its weight: it takes
+/// kClothSubsteps.
 int substeps_of(const SceneDescription& scene) {
-  constexpr double kSubsteps = 5, kSameSteps = 5, kMostSubsteps = 50;
+  constexpr double kSubsteps = 5, kSameSteps = 5, kMostSubsteps = 50, kClothSubsteps = 10;
   if (scene.solver != SolverKind::kXpbd) return kSubsteps;
-  double least = scene.bodies.front().material.density, most = least;
+  double least = std::numeric_limits<double>::infinity(), most = 0, substeps = kSubsteps;
   for (const BodyDescription& body : scene.bodies) {
-    least = std::min(least, body.material.density);
-    most = std::max(most, body.material.density);
+    if (body.is_cloth()) {
+      substeps = kClothSubsteps;
+      continue;
+    }
+    least = std::min(least, body.material.solid.density);
+    most = std::max(most, body.material.solid.density);
   }
   const double finer = std::sqrt(std::max(most / least / kSameSteps, 1.0));
-  return static_cast<int>(std::min(std::ceil(kSubsteps * finer), kMostSubsteps));
+  return static_cast<int>(std::min(std::ceil(substeps * finer), kMostSubsteps));
 }
 
 void read_solver(JsonObject& object, SceneDescription& scene) {
@@ -201,25 +174,6 @@ Motion read_motion(const JsonValue& value) {
   return motion;
 }
 
-Material read_material(const JsonValue& value) {
-  JsonObject object(value);
-  Material material;
-  material.damping = kNotGiven;
-  constexpr std::array<std::string_view, 2> kKinds{"neo-hookean", "mass-spring"};
-  if (const auto v = object.find("kind"))
-    material.kind = v->choice(kKinds) == 0 ? MaterialKind::kNeoHookean : MaterialKind::kMassSpring;
-  if (const auto v = object.find("density")) material.density = v->number(kPositive);
-  if (const auto v = object.find("damping")) material.damping = v->number(kNotNegative);
-  if (material.kind == MaterialKind::kNeoHookean) {
-    read_neo_hookean(object, material);
-  } else {
-    if (const auto v = object.find("edge_compliance")) material.edge_compliance = v->number(kNotNegative);
-    if (const auto v = object.find("volume_compliance")) material.volume_compliance = v->number(kNotNegative);
-  }
-  object.refuse_others();
-  return material;
-}
-
 void read_contact(const JsonValue& value, SceneDescription& scene) {
   JsonObject object(value);
   ContactOptions& contact = scene.options.contact;
@@ -257,7 +211,7 @@ SceneDescription describe_scene(std::string_view text, const std::filesystem::pa
     if (const auto v = object.find(key)) v->text();
   object.find("scales");  // choose_scale() has taken it out
   read_solver(object, scene);
-  std::map<std::string, Material> materials;
+  std::map<std::string, BodyMaterial> materials;
   if (const auto v = object.find("materials")) {
     if (!v->json().is_object()) v->fail("is no object", "use {\"name\": {...}, ...}");
     for (const auto& [name, ignored] : v->json().items()) materials.emplace(name, read_material(v->member(name)));
@@ -270,9 +224,12 @@ SceneDescription describe_scene(std::string_view text, const std::filesystem::pa
     for (const JsonValue& item : v->items()) scene.colliders.push_back(read_collider(item, file.parent_path()));
   object.refuse_others();
   refuse_rigid_springs(scene);
+  refuse_cloth_by_vbd(scene);
+  // The implicit solvers damp enough by themselves.
+  const double damping = scene.solver == SolverKind::kXpbd ? kMaterialDamping : 0;
   for (BodyDescription& body : scene.bodies)
-    if (body.material.damping == kNotGiven)
-      body.material.damping = scene.solver == SolverKind::kXpbd ? kMaterialDamping : 0;
+    for (double* own : {&body.material.solid.damping, &body.material.cloth.damping})
+      if (*own == kNotGiven) *own = damping;
   if (scene.substeps == 0) scene.substeps = substeps_of(scene);
   scene.options.time_step = 1.0 / (static_cast<double>(scene.frames_per_second) * scene.substeps);
   scene.canonical = canonical_text(document);

@@ -109,12 +109,12 @@ void write_topology(const fs::path& path, const Model& model, std::uint64_t fing
     std::fill_n(bodies.begin() + body.first_vertex, body.vertex_count, static_cast<Index>(b));
   }
   const auto elements = model.mesh.elements();
-  const auto faces = model.mesh.boundary_faces();
-  const std::size_t size = elements.size_bytes() + bodies.size() * sizeof(Index) + faces.size_bytes();
+  const std::vector<VertexTuple<3>> faces = surface_triangles(model);
+  const std::size_t size = elements.size_bytes() + bodies.size() * sizeof(Index) + std::span(faces).size_bytes();
   std::string bytes = begin_file(header, FrameFileKind::kTopology, size);
   append(bytes, elements);
   append(bytes, std::span<const Index>(bodies));
-  append(bytes, faces);
+  append(bytes, std::span(faces));
   write_whole_files(std::array{FileContent{path, bytes}});
 }
 

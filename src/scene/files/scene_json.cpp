@@ -41,6 +41,30 @@ Json json_of(const Material& material) {
   return json;
 }
 
+Json json_of(const ClothMaterial& cloth) {
+  Json json{{"kind", "cloth"}, {"density", cloth.density}};
+  if (cloth.kind == ClothKind::kIsotropic) {
+    json["stiffness"] = cloth.stiffness;
+    json["poisson_ratio"] = cloth.poisson_ratio;
+  } else {
+    json["warp"] = cloth.warp;
+    json["weft"] = cloth.weft;
+    json["shear"] = cloth.shear;
+    json["warp_direction"] = json_of(cloth.warp_direction);
+  }
+  json["bending"] = cloth.bending;
+  json["thickness"] = cloth.thickness;
+  json["damping"] = cloth.damping;
+  return json;
+}
+
+Json json_of(const Body& body) {
+  Json json{{"name", body.name}, {"vertices", body.vertex_count}, {"elements", body.element_count}};
+  if (body.is_cloth()) json["triangles"] = body.triangle_count;
+  json["material"] = body.is_cloth() ? json_of(body.cloth) : json_of(body.material);
+  return json;
+}
+
 struct ShapeJson {
   Json operator()(const PlaneShape& s) const {
     return {{"kind", "plane"}, {"point", json_of(s.point)}, {"normal", json_of(s.normal)}};
@@ -104,11 +128,7 @@ std::string print_scene(const Scene& scene) {
                      {"guarantee", options.contact.guarantee},
                      {"from_frame", scene.contact_from_frame}};
   json["bodies"] = Json::array();
-  for (const Body& body : scene.model.bodies)
-    json["bodies"].push_back({{"name", body.name},
-                              {"vertices", body.vertex_count},
-                              {"elements", body.element_count},
-                              {"material", json_of(body.material)}});
+  for (const Body& body : scene.model.bodies) json["bodies"].push_back(json_of(body));
   json["colliders"] = Json::array();
   for (const Collider& collider : scene.colliders) json["colliders"].push_back(json_of(collider));
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -147,6 +147,7 @@ std::string summarize_run(const Scene& scene, const RunReport& report) {
   json["bodies"] = scene.model.bodies.size();
   json["vertices"] = scene.model.mesh.vertex_count();
   json["elements"] = scene.model.mesh.element_count();
+  if (!scene.model.triangles.empty()) json["cloth_triangles"] = scene.model.triangles.size();
   json["frames"] = last.frame;
   json["frames_per_second"] = scene.frames_per_second;
   json["steps"] = last.steps;

@@ -3,7 +3,10 @@
 namespace selvage {
 
 MarkFinder::MarkFinder(const TetMesh& mesh, std::span<const Vec3> positions)
-    : surface_(boundary_surface(mesh)), paths_(mesh, positions), pairs_(surface_, positions) {}
+    : MarkFinder(mesh, {mesh.boundary_faces().begin(), mesh.boundary_faces().end()}, positions) {}
+
+MarkFinder::MarkFinder(const TetMesh& mesh, std::vector<VertexTuple<3>> surface, std::span<const Vec3> positions)
+    : surface_(mesh.vertex_count(), std::move(surface)), paths_(mesh, positions), pairs_(surface_, positions) {}
 
 Marks MarkFinder::find(std::span<const Vec3> positions) {
   paths_.update(positions);

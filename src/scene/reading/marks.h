@@ -36,6 +36,8 @@ class MarkFinder {
  public:
   /// @param mesh  must outlive the finder
   MarkFinder(const TetMesh& mesh, std::span<const Vec3> positions);
+  /// @param surface  the boundary, then cloth
+  MarkFinder(const TetMesh& mesh, std::vector<VertexTuple<3>> surface, std::span<const Vec3> positions);
   Marks find(std::span<const Vec3> positions);
 
   /// More than one can look at, and than a page of many poses should hold.

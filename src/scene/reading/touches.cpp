@@ -82,15 +82,13 @@ bool is_inner(double place) {
 }  // namespace
 
 struct TouchFinder::Impl {
-  const TetMesh& mesh;
   TriangleMesh surface;
   double distance;
   std::vector<PreparedCollider> grown;  ///< colliders, larger by the distance
   ProximityFinder near;
 
-  Impl(const TetMesh& of, std::span<const Vec3> positions, std::span<const Collider> colliders)
-      : mesh(of),
-        surface(boundary_surface(of)),
+  Impl(TriangleMesh of, std::span<const Vec3> positions, std::span<const Collider> colliders)
+      : surface(std::move(of)),
         distance(touching_distance(surface, positions)),
         grown(grow_all(colliders, distance)),
         near(surface, positions, distance, without_neighbours()) {}
@@ -100,7 +98,10 @@ struct TouchFinder::Impl {
 };
 
 TouchFinder::TouchFinder(const TetMesh& mesh, std::span<const Vec3> positions, std::span<const Collider> colliders)
-    : impl_(std::make_unique<Impl>(mesh, positions, colliders)) {}
+    : TouchFinder(boundary_surface(mesh), positions, colliders) {}
+
+TouchFinder::TouchFinder(TriangleMesh surface, std::span<const Vec3> positions, std::span<const Collider> colliders)
+    : impl_(std::make_unique<Impl>(std::move(surface), positions, colliders)) {}
 
 TouchFinder::~TouchFinder() = default;
 
@@ -112,7 +113,8 @@ void TouchFinder::Impl::add_collider_touches(std::span<const Vec3> positions, do
                                              std::vector<Touch>& touches) const {
   std::vector<RigidTransform> places;
   for (const PreparedCollider& collider : grown) places.push_back(collider.motion.at(time));
-  for (const Index v : mesh.boundary_vertices()) {
+  for (Index v = 0; v < surface.vertex_count(); ++v) {
+    if (surface.vertex_triangles(v).empty()) continue;
     for (std::size_t i = 0; i < grown.size(); ++i) {
       const Vec3 p = places[i].invert(positions[v]);
       const auto hit = std::visit([&](const auto& shape) { return find_hit(shape, p); }, grown[i].shape);

@@ -21,9 +21,10 @@ struct Touch {
 /// face counts, of edges those whose nearest points lie between their ends, and of colliders the first.
 class TouchFinder {
  public:
-  /// @param mesh  must outlive the finder
   /// @throws Error  when a collider is impossible
   TouchFinder(const TetMesh& mesh, std::span<const Vec3> positions, std::span<const Collider> colliders);
+  /// @param surface  the boundary, then cloth
+  TouchFinder(TriangleMesh surface, std::span<const Vec3> positions, std::span<const Collider> colliders);
   ~TouchFinder();
 
   /// At most kMaxTouches; first those of colliders, then of vertices and faces, then of edges, each by number.

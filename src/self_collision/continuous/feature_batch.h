@@ -1,5 +1,6 @@
 #pragma once
 
+#include "self_collision/continuous/axis_separation.h"
 #include "self_collision/continuous/continuous_kernel.h"
 #include "self_collision/surface/eight_pairs.h"
 #include "self_collision/surface/motion_filter.h"
@@ -28,6 +29,13 @@ class PartBatch {
     pairs_[place] = {pair, 0, false, false};
     push_halves({place, 0, 1});
     if (part_count_ >= EightPairs::kSize) test_parts();
+  }
+
+  void decide(const FeaturePair& pair, bool do_meet) {
+    if constexpr (kFirst == 1)
+      decide_vertex_face(input_, pair.first, pair.second, do_meet, result_);
+    else
+      decide_edge_edge(input_, pair.first, pair.second, do_meet, result_);
   }
 
   void flush() {
@@ -96,10 +104,7 @@ class PartBatch {
     if (--open.waiting > 0) return;
     free_[free_count_++] = place;
     if (!open.do_meet && !open.is_undecided) return;
-    if constexpr (kFirst == 1)
-      decide_vertex_face(input_, open.pair.first, open.pair.second, open.do_meet, result_);
-    else
-      decide_edge_edge(input_, open.pair.first, open.pair.second, open.do_meet, result_);
+    decide(open.pair, open.do_meet);
   }
 
   const ContinuousInput& input_;
@@ -110,7 +115,8 @@ class PartBatch {
   int free_count_ = kMaxPairs, part_count_ = 0;
 };
 
-/// Pairs that boxes do not separate, tested eight at once over the whole step, then over its parts.
+/// Pairs that boxes do not separate, tested eight at once over the whole step, then one by one along some axes, then
+/// over the step's parts; what does not move has no parts.
 template <int kFirst>
 class FeatureBatch {
  public:
@@ -132,8 +138,14 @@ class FeatureBatch {
     for (int i = 0; i < EightPairs::kSize; ++i)
       for (int k = 0; k < 4; ++k) vertices[k][i] = pairs_[i < count_ ? i : 0].vertices[k];
     const unsigned apart = MovingSets<kFirst, 4 - kFirst>(input_.rounded, vertices, input_.thickness).apart();
-    for (unsigned rest = ~apart & ((1u << count_) - 1); rest != 0; rest &= rest - 1)
-      open_.add(pairs_[lowest_lane(rest)]);
+    for (unsigned rest = ~apart & ((1u << count_) - 1); rest != 0; rest &= rest - 1) {
+      const FeaturePair& pair = pairs_[lowest_lane(rest)];
+      if (stay_apart_by_axis(input_, pair.vertices, kFirst)) continue;
+      if (are_still(input_, pair.vertices))
+        open_.decide(pair, false);
+      else
+        open_.add(pair);
+    }
     count_ = 0;
   }
 

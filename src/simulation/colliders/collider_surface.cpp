@@ -280,15 +280,10 @@ void Builder::add_shape(const MeshCollider& collider) {
 }  // namespace
 
 double element_size_of(const Model& model) {
-  const auto& x = model.rest_positions;
   double least = 0;
   for (const Body& body : model.bodies) {
-    if (body.element_count == 0) continue;
-    double sum = 0;
-    for (const auto& element : model.mesh.elements().subspan(body.first_element, body.element_count))
-      for (int i = 0; i < 4; ++i)
-        for (int k = 0; k < i; ++k) sum += (x[element[i]] - x[element[k]]).norm();
-    const double mean = sum / (6.0 * body.element_count);
+    if (body.element_count + body.triangle_count == 0) continue;
+    const double mean = mean_edge_of(model, body);
     if (least == 0 || mean < least) least = mean;
   }
   return least;

@@ -43,7 +43,7 @@ class BodyCrossingFinder::Sums {
 
 BodyCrossingFinder::BodyCrossingFinder(const Model& model, std::span<const Vec3> positions)
     : model_(&model),
-      surface_(std::make_unique<TriangleMesh>(boundary_surface(model.mesh))),
+      surface_(std::make_unique<TriangleMesh>(surface_of(model))),
       surface_finder_(*surface_, positions),
       bodies_(static_cast<std::size_t>(model.mesh.vertex_count()), kNone) {
   for (std::size_t b = 0; b < model.bodies.size(); ++b)
@@ -62,13 +62,32 @@ BodyCrossings BodyCrossingFinder::measure(const BoundaryPathFinder<3>& finder, s
     ++sums.of(a, b).triangle_pairs;
     ++sums.total().triangle_pairs;
   }
-  add_vertices(finder, sums);
+  add_vertices(finder, positions, sums);
   add_edges(finder, positions, sums);
   return sums.list();
 }
 
-void BodyCrossingFinder::add_vertices(const BoundaryPathFinder<3>& finder, Sums& sums) {
-  const std::vector<PathQuery<3>> queries = finder.find_penetrating_vertices();
+/// What is inside an element of all vertices of cloth.
+void BodyCrossingFinder::append_cloth_vertices(const BoundaryPathFinder<3>& finder, std::span<const Vec3> positions,
+                                               std::vector<PathQuery<3>>& queries) const {
+  std::vector<Index> vertices;
+  std::vector<Vec3> points;
+  for (const Body& body : model_->bodies)
+    for (Index v = body.first_vertex; v < body.first_vertex + body.vertex_count && body.is_cloth(); ++v) {
+      vertices.push_back(v);
+      points.push_back(positions[v]);
+    }
+  if (vertices.empty()) return;
+  const LocatedPoints<3> located = finder.locate(points);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::int64_t q = located.first[i]; q < located.first[i + 1]; ++q)
+      queries.push_back(PathQuery<3>::of_vertex(vertices[i], points[i], located.queries[q].element));
+}
+
+void BodyCrossingFinder::add_vertices(const BoundaryPathFinder<3>& finder, std::span<const Vec3> positions,
+                                      Sums& sums) {
+  std::vector<PathQuery<3>> queries = finder.find_penetrating_vertices();
+  append_cloth_vertices(finder, positions, queries);
   const std::vector<BoundaryPath<3>> paths = finder.find_paths(queries);
   Index last = kNone;
   std::vector<Index> counted_in;  // bodies, of one vertex

@@ -24,7 +24,9 @@ class BodyCrossingFinder {
 
  private:
   class Sums;
-  void add_vertices(const BoundaryPathFinder<3>& finder, Sums& sums);
+  void append_cloth_vertices(const BoundaryPathFinder<3>& finder, std::span<const Vec3> positions,
+                             std::vector<PathQuery<3>>& queries) const;
+  void add_vertices(const BoundaryPathFinder<3>& finder, std::span<const Vec3> positions, Sums& sums);
   void add_edges(const BoundaryPathFinder<3>& finder, std::span<const Vec3> positions, Sums& sums) const;
   Index body_of(Index vertex) const { return bodies_[static_cast<std::size_t>(vertex)]; }
 

@@ -13,17 +13,6 @@ namespace {
 /// Spacing of a collider's points over the cell of the body that they are looked for in.
 constexpr double kSpacing = 0.25;
 
-double mean_edge(const Model& model, const Body& body) {
-  double sum = 0;
-  for (Index e = body.first_element; e < body.first_element + body.element_count; ++e)
-    for (int a = 0; a < 4; ++a)
-      for (int b = 0; b < a; ++b) {
-        const auto& element = model.mesh.elements()[e];
-        sum += (model.rest_positions[element[a]] - model.rest_positions[element[b]]).norm();
-      }
-  return sum / (6 * std::max(body.element_count, 1));
-}
-
 /// A box around a box that is moved back to the coordinates of a collider.
 Eigen::AlignedBox3d to_local(const Eigen::AlignedBox3d& box, const RigidTransform& place) {
   Eigen::AlignedBox3d local;
@@ -98,7 +87,7 @@ ColliderCrossingFinder::ColliderCrossingFinder(const Model& model, std::span<con
     const bool is_mesh = std::holds_alternative<MeshShape>(collider.shape);
     mesh_features_.push_back(is_mesh ? find_features(collider, 0) : ColliderFeatures());
   }
-  for (const Body& body : model.bodies) cells_.push_back(mean_edge(model, body));
+  for (const Body& body : model.bodies) cells_.push_back(mean_edge_of(model, body));
 }
 
 ColliderCrossingFinder::~ColliderCrossingFinder() = default;

@@ -15,12 +15,19 @@ constexpr int kSolveRounds = 3;
 /// Rounds in which contacts that the projection of others makes are projected too, before vertices are held back.
 constexpr int kProjectionRounds = 3;
 
+/// Of elements and triangles.
 double mean_edge_of(const Model& model) {
-  double sum = 0;
-  for (const auto& e : model.mesh.elements())
-    for (int a = 0; a < 4; ++a)
-      for (int b = 0; b < a; ++b) sum += (model.rest_positions[e[a]] - model.rest_positions[e[b]]).norm();
-  return sum / (6 * std::max(1.0, static_cast<double>(model.mesh.element_count())));
+  double sum = 0, count = 0;
+  const auto add = [&](std::span<const Index> vertices) {
+    for (std::size_t a = 0; a < vertices.size(); ++a)
+      for (std::size_t b = 0; b < a; ++b) {
+        sum += (model.rest_positions[vertices[a]] - model.rest_positions[vertices[b]]).norm();
+        ++count;
+      }
+  };
+  for (const auto& element : model.mesh.elements()) add(element);
+  for (const auto& triangle : model.triangles) add(triangle);
+  return sum / std::max(1.0, count);
 }
 
 }  // namespace

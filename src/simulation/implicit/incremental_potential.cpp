@@ -25,11 +25,18 @@ double trace_by_vertex(const VolumeSpring& material, const Eigen::Vector3d& b) {
 }  // namespace
 
 IncrementalPotential::IncrementalPotential(const Model& model, double time_step)
-    : model_(model), time_step_(time_step), rest_stiffness_(model.mesh.vertex_count(), 0.0) {
+    : model_(model), time_step_(time_step), rest_stiffness_(model.mesh.vertex_count(), 0.0), cloth_(model, time_step) {
   bool damped = false;
   for (const Body& body : model.bodies) {
     add_body(body);
     damped |= body.material.damping > 0;
+  }
+  cloth_derivatives_.resize(cloth_.count());
+  for (Index t = 0; t < cloth_.count(); ++t) {
+    const StencilHessian<4> hessian = cloth_.derivatives(t, model.rest_positions, false).hessian;
+    const auto vertices = cloth_.vertices_of(t);
+    for (std::size_t k = 0; k < vertices.size(); ++k)
+      rest_stiffness_[vertices[k]] += hessian.block<3, 3>(3 * k, 3 * k).trace() / 3;
   }
   if (damped) start_gradients_.resize(elements_.size());
   element_derivatives_.resize(elements_.size());
@@ -93,6 +100,7 @@ void IncrementalPotential::begin(const Step& step, std::span<const StepVertex> v
   parallel_for(std::ssize(start_gradients_), kEnergyGrain, [&](std::int64_t e) {
     start_gradients_[e] = elements_[e].rest.deformation(corners(static_cast<Index>(e), step.positions));
   });
+  cloth_.begin(step.positions);
   terms_ = springs_;
   for (std::size_t s = 0; s < springs_.size(); ++s) {
     if (!(spring_damping_[s] > 0)) continue;
@@ -175,7 +183,9 @@ double IncrementalPotential::energy(std::span<const Vec3> x) const {
     visit_element(static_cast<Index>(e), [&](const auto& element) { sum += element.energy(own); });
     return sum;
   });
-  return inertia + elastic +
+  const double cloth =
+      ordered_sum(cloth_.count(), [&](std::int64_t t) { return cloth_.energy(static_cast<Index>(t), x); });
+  return inertia + elastic + cloth +
          ordered_sum(std::ssize(terms_), [&](std::int64_t t) { return terms_[t].energy(terms_[t].offset(x)); });
 }
 
@@ -186,6 +196,9 @@ void IncrementalPotential::find_gradient(std::span<const Vec3> x, Eigen::VectorX
     const StencilPositions<4> own = corners(static_cast<Index>(e), x);
     visit_element(static_cast<Index>(e), [&](const auto& element) { of_elements[e] += element.gradient(own); });
   });
+  std::vector<StencilGradient<4>> of_cloth(cloth_.count());
+  parallel_for(std::ssize(of_cloth), kEnergyGrain,
+               [&](std::int64_t t) { of_cloth[t] = cloth_.gradient(static_cast<Index>(t), x); });
   gradient.setZero(3 * Eigen::Index{vertex_count()});
   parallel_for(vertex_count(), kTermGrain, [&](std::int64_t i) {
     const auto v = static_cast<Index>(i);
@@ -194,6 +207,10 @@ void IncrementalPotential::find_gradient(std::span<const Vec3> x, Eigen::VectorX
     for (const Index e : model_.mesh.vertex_elements(v)) {
       const auto& element = model_.mesh.elements()[e];
       sum += of_elements[e].col(std::find(element.begin(), element.end(), v) - element.begin());
+    }
+    for (const Index t : cloth_.terms_of(v)) {
+      const auto vertices = cloth_.vertices_of(t);
+      sum += of_cloth[t].col(std::find(vertices.begin(), vertices.end(), v) - vertices.begin());
     }
     for (const Index t : terms_of(v)) {
       const OffsetTerm& term = terms_[t];
@@ -207,6 +224,7 @@ void IncrementalPotential::find_gradient(std::span<const Vec3> x, Eigen::VectorX
 void IncrementalPotential::renew_pattern(BlockMatrix& matrix) {
   std::vector<std::span<const Index>> groups;
   for (const OffsetTerm& term : terms_) groups.push_back(term.vertex_span());
+  for (Index t = 0; t < cloth_.count(); ++t) groups.push_back(cloth_.vertices_of(t));
   matrix = make_block_matrix(vertex_count(), model_.mesh.elements(), groups);
   element_blocks_.resize(elements_.size());
   parallel_for(std::ssize(elements_), kEnergyGrain, [&](std::int64_t e) {
@@ -233,6 +251,8 @@ bool IncrementalPotential::assemble(std::span<const Vec3> x, bool exact, Eigen::
   });
   parallel_for(std::ssize(terms_), kTermGrain,
                [&](std::int64_t t) { term_derivatives_[t] = terms_[t].derivatives(terms_[t].offset(x)); });
+  parallel_for(std::ssize(cloth_derivatives_), kEnergyGrain,
+               [&](std::int64_t t) { cloth_derivatives_[t] = cloth_.derivatives(static_cast<Index>(t), x, exact); });
   gradient.setZero(3 * Eigen::Index{vertex_count()});
   parallel_for(vertex_count(), kTermGrain, [&](std::int64_t row) {
     const auto v = static_cast<Index>(row);
@@ -252,6 +272,7 @@ bool IncrementalPotential::assemble(std::span<const Vec3> x, bool exact, Eigen::
         if (is_free(element[j]))
           matrix.blocks[element_blocks_[e][4 * i + j]] += element_derivatives_[e].hessian.block<3, 3>(3 * i, 3 * j);
     }
+    add_cloth_row(v, matrix, sum);
     for (const Index t : terms_of(v)) {
       const OffsetTerm& term = terms_[t];
       const auto i = std::find(term.vertices.begin(), term.vertices.begin() + term.count, v) - term.vertices.begin();
@@ -264,6 +285,18 @@ bool IncrementalPotential::assemble(std::span<const Vec3> x, bool exact, Eigen::
     gradient.segment<3>(3 * row) = sum;
   });
   return renews;
+}
+
+/// What cloth adds to the row of a free vertex.
+void IncrementalPotential::add_cloth_row(Index v, BlockMatrix& matrix, Eigen::Vector3d& sum) const {
+  for (const Index t : cloth_.terms_of(v)) {
+    const auto vertices = cloth_.vertices_of(t);
+    const auto i = std::find(vertices.begin(), vertices.end(), v) - vertices.begin();
+    sum += cloth_derivatives_[t].gradient.col(i);
+    for (std::size_t j = 0; j < vertices.size(); ++j)
+      if (is_free(vertices[j]))
+        matrix.blocks[matrix.find(v, vertices[j])] += cloth_derivatives_[t].hessian.block<3, 3>(3 * i, 3 * j);
+  }
 }
 
 VertexDerivatives IncrementalPotential::inertia_by_vertex(std::span<const Vec3> x, Index v) const {

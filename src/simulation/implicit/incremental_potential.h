@@ -4,6 +4,7 @@
 #include "elasticity/strain_damping.h"
 #include "elasticity/volume_spring.h"
 #include "simulation/implicit/block_matrix.h"
+#include "simulation/implicit/cloth_terms.h"
 #include "simulation/implicit/offset_term.h"
 #include "simulation/step.h"
 #include "simulation/step_vertex.h"
@@ -87,6 +88,7 @@ class IncrementalPotential {
   void add_damping();
   void join_terms();
   void renew_pattern(BlockMatrix& matrix);
+  void add_cloth_row(Index v, BlockMatrix& matrix, Eigen::Vector3d& sum) const;
   template <typename Visit>
   void visit_element(Index e, const Visit& visit) const;
   StencilPositions<4> corners(Index e, std::span<const Vec3> x) const;
@@ -98,6 +100,7 @@ class IncrementalPotential {
   std::vector<Eigen::Matrix3d>
       start_gradients_;                 ///< (n_elements) at the start of the step; empty where no body is damped
   std::vector<double> rest_stiffness_;  ///< (n_vertices) of elements and springs [N/m]
+  ClothTerms cloth_;
   std::vector<OffsetTerm> springs_;
   std::vector<double> spring_damping_;  ///< of each
 
@@ -112,6 +115,7 @@ class IncrementalPotential {
 
   std::vector<ElementDerivatives> element_derivatives_;
   std::vector<OffsetTerm::Derivatives> term_derivatives_;
+  std::vector<ClothTerms::Derivatives> cloth_derivatives_;
 };
 
 /// See StepStatistics::residual. [m]

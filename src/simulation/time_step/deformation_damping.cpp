@@ -4,6 +4,7 @@
 #include "simulation/rigid_motion.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace selvage {
 
@@ -12,18 +13,39 @@ namespace {
 /// Vertices of a slice. Sums depend on it: their order is that of slices.
 constexpr std::size_t kSlice = 4096;
 
-std::vector<Index> pieces_of_vertices(const TetMesh& mesh) {
-  std::vector<Index> pieces(mesh.vertex_count(), kNone);
-  const std::vector<Index> of_elements = mesh.element_components();
-  for (std::size_t e = 0; e < of_elements.size(); ++e)
-    for (const Index v : mesh.elements()[e]) pieces[v] = of_elements[e];
+/// Of bodies of elements those connected across faces, then those of cloth: across vertices.
+std::vector<Index> pieces_of_vertices(const Model& model) {
+  std::vector<Index> pieces(model.mesh.vertex_count(), kNone);
+  const std::vector<Index> of_elements = model.mesh.element_components();
+  Index count = 0;
+  for (std::size_t e = 0; e < of_elements.size(); ++e) {
+    count = std::max(count, of_elements[e] + 1);
+    for (const Index v : model.mesh.elements()[e]) pieces[v] = of_elements[e];
+  }
+  std::vector<Index> parents(model.triangles.empty() ? 0 : pieces.size());
+  std::iota(parents.begin(), parents.end(), 0);
+  const auto root_of = [&](Index v) {
+    while (parents[v] != v) v = parents[v] = parents[parents[v]];
+    return v;
+  };
+  for (const auto& [a, b, c] : model.triangles)
+    for (const Index v : {b, c}) {
+      const auto [least, most] = std::minmax({root_of(a), root_of(v)});
+      parents[most] = least;
+    }
+  for (const auto& triangle : model.triangles)
+    for (const Index v : triangle) {
+      const Index root = root_of(v);
+      if (pieces[root] == kNone) pieces[root] = count++;
+      pieces[v] = pieces[root];
+    }
   return pieces;
 }
 
 }  // namespace
 
 DeformationDamping::DeformationDamping(const Model& model) : model_(model) {
-  const std::vector<Index> pieces = pieces_of_vertices(model.mesh);
+  const std::vector<Index> pieces = pieces_of_vertices(model);
   for (Index v = 0; v < model.mesh.vertex_count(); ++v)
     if (pieces[v] != kNone && model.inverse_masses[v] > 0) vertices_.push_back(v);
   std::stable_sort(vertices_.begin(), vertices_.end(), [&](Index a, Index b) { return pieces[a] < pieces[b]; });

@@ -23,6 +23,17 @@ std::vector<Index> bodies_of_vertices(const Model& model) {
   return body_of;
 }
 
+/// Of cloth at each vertex; empty where none is thick [m].
+std::vector<double> half_thickness_of(const Model& model) {
+  std::vector<double> thickness;
+  for (const Body& body : model.bodies) {
+    if (!body.is_cloth() || !(body.cloth.thickness > 0)) continue;
+    thickness.resize(model.mesh.vertex_count(), 0.0);
+    std::fill_n(thickness.begin() + body.first_vertex, body.vertex_count, body.cloth.thickness / 2);
+  }
+  return thickness;
+}
+
 /// Triangles with numbers of vertices that follow others.
 std::vector<VertexTuple<3>> triangles_after(Index vertex_count, std::vector<VertexTuple<3>> triangles) {
   for (auto& triangle : triangles)
@@ -61,8 +72,10 @@ TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle>
   for (std::size_t i = 0; i < collider_surface_.positions.size(); ++i)
     positions.push_back(
         colliders_[collider_surface_.collider_of_vertices[i]].motion.at(0)(collider_surface_.positions[i]));
+  const std::vector<double> thickness = half_thickness_of(model);
   contact_finder_.emplace(model.mesh, model.rest_positions, positions, body_of_, contact,
-                          triangles_after(model.mesh.vertex_count(), collider_surface_.triangles));
+                          triangles_after(model.mesh.vertex_count(), collider_surface_.triangles),
+                          ContactCloth{model.triangles, thickness});
   candidate_.resize(all);
   if (contact.hold_back && contact.mode == DetectionMode::kHybrid && !contact.interior_points)
     gate_.emplace(model, static_cast<Index>(all), contact.guarantee);
@@ -220,7 +233,8 @@ bool TimeStep::find_missed_contacts() {
   return true;
 }
 
-/// Pinned vertices, those of bodies that sleep, those that handles hold, and those that colliders have pushed in this step.
+/// Pinned vertices, those of bodies that sleep, those that handles hold, and those that colliders have pushed in this
+/// step.
 Carriers TimeStep::carriers() const {
   Carriers carriers{.motions = {RigidTransform()},
                     .of_vertex = std::vector<Index>(vertices_.size(), kNone),

@@ -1,11 +1,13 @@
 #include "core/parallel.h"
 #include "core/timed.h"
+#include "selvage/core/error.h"
 #include "selvage/simulation/vbd.h"
 #include "simulation/implicit/implicit_step.h"
 #include "simulation/time_step/check_input.h"
 #include "simulation/vbd/vertex_colours.h"
 #include "simulation/vbd/vertex_stars.h"
 
+#include <fmt/format.h>
 #include <Eigen/Cholesky>
 
 namespace selvage {
@@ -15,6 +17,14 @@ namespace {
 /// Vertices that a task moves, and those whose sums are kept at a time.
 constexpr std::int64_t kSweepGrain = 64;
 constexpr Index kSumsAtOnce = 32;
+
+const Model& without_cloth(const Model& model) {
+  for (const Body& body : model.bodies)
+    if (body.is_cloth())
+      throw Error(fmt::format("body '{}'", body.name), "is cloth, which the solver vbd does not know",
+                  "use the solver xpbd or newton");
+  return model;
+}
 
 }  // namespace
 
@@ -28,7 +38,7 @@ struct VbdSolver::Parts {
   Parts(const Model& model, const State& initial, std::vector<Handle> handles, std::span<const Collider> colliders,
         const VbdOptions& o)
       : options(o),
-        implicit(model, initial, std::move(handles), colliders, options),
+        implicit(without_cloth(model), initial, std::move(handles), colliders, options),
         colours(colour_vertices(model.mesh)),
         stars(model, colours) {
     check_option(options.iterations > 0, "iterations", options.iterations, "of at least 1");

@@ -78,19 +78,30 @@ Vec3 offset_between(const Contact& contact, std::span<StepVertex> vertices) {
   return weighted_sum(contact, [&](Index v) { return position(vertices[v]); });
 }
 
+/// Part of what two are too near by which they are pushed apart in a step: all at once would throw them.
+constexpr double kSpread = 0.02;
+
+/// Gap of a contact by CCD, or of what is near to cloth, at the end of a step.
+/// @param before  the gap at its start [m]
+double gap_to_keep(const Contact& contact, double before, double max_correction) {
+  const double gap = std::clamp(before, 0.0, std::max(kContactGap * max_correction, contact.distance));
+  return contact.distance > gap ? gap + kSpread * (contact.distance - gap) : gap;
+}
+
 void project_contact(const Contact& contact, const Step& step, std::span<const double> max_corrections,
                      ContactFriction& friction, std::span<Vec3> ejected, std::span<StepVertex> vertices) {
   const Vec3 offset = offset_between(contact, vertices);
   double depth = -contact.normal.dot(offset);
-  if (!(depth > 0)) return;
+  if (!(depth > 0) && !(contact.distance > 0)) return;
   double max_correction = max_corrections[contact.vertices[0]];
   for (int i = 1; i < contact.count; ++i)
     max_correction = std::min(max_correction, max_corrections[contact.vertices[i]]);
   if (is_path(contact.kind)) {
     depth = std::min(depth, max_correction);
   } else {
-    depth += std::clamp(contact.normal.dot(offset_between(contact, step.positions)), 0.0, kContactGap * max_correction);
+    depth += gap_to_keep(contact, contact.normal.dot(offset_between(contact, step.positions)), max_correction);
   }
+  if (!(depth > 0)) return;
   ContactSides sides(contact, vertices);
   if (!sides.can_move()) return;
   const Vec3 out = depth * contact.normal;

@@ -2,6 +2,7 @@
 #include "selvage/simulation/xpbd.h"
 #include "simulation/time_step/check_input.h"
 #include "simulation/time_step/time_step.h"
+#include "simulation/xpbd/cloth_solver.h"
 #include "simulation/xpbd/material_solver.h"
 #include "simulation/xpbd/project_contacts.h"
 
@@ -20,6 +21,7 @@ struct XpbdSolver::Impl {
   XpbdOptions options;
   TimeStep time_step;
   MaterialSolver material;
+  ClothSolver cloth;
   std::vector<StepVertex> start;           ///< vertices at the start of the step, where the material needs them
   std::vector<ContactFriction> frictions;  ///< (n_contacts)
   UserConstraint constraint;
@@ -28,9 +30,10 @@ struct XpbdSolver::Impl {
        const XpbdOptions& o)
       : options(o),
         time_step(model, initial, std::move(handles), colliders, options),
-        material(model, options.time_step) {
+        material(model, options.time_step),
+        cloth(model, options.time_step) {
     check_option(options.iterations > 0, "iterations", options.iterations, "of at least 1");
-    if (material.needs_start()) start.resize(model.mesh.vertex_count());
+    if (material.needs_start() || cloth.needs_start()) start.resize(model.mesh.vertex_count());
   }
 
   StepStatistics& statistics() { return time_step.statistics(); }
@@ -54,8 +57,11 @@ struct XpbdSolver::Impl {
   }
 
   void solve_material(int first, int last) {
-    timed(statistics().seconds_material, [&] { material.solve(time_step.vertices(), start, first, last); });
-    statistics().constraints += material.constraint_count() * (last - first);
+    timed(statistics().seconds_material, [&] {
+      material.solve(time_step.vertices(), start, first, last);
+      for (int i = first; i < last && cloth.constraint_count() > 0; ++i) cloth.solve(time_step.vertices(), start, i);
+    });
+    statistics().constraints += (material.constraint_count() + cloth.constraint_count()) * (last - first);
   }
 
   void project() {

@@ -1,0 +1,53 @@
+#pragma once
+
+#include "elasticity/strain_damping.h"
+#include "elasticity/triangles/membrane_neo_hookean.h"
+#include "elasticity/triangles/membrane_weave.h"
+#include "simulation/cloth_pieces.h"
+
+#include <variant>
+
+namespace selvage {
+
+/// Energies of a model's cloth: of its triangles, with damping over a step, and of its hinges, which are not damped.
+class ClothTerms {
+ public:
+  ClothTerms(const Model& model, double time_step);
+
+  Index count() const { return static_cast<Index>(triangles_.size() + hinges_.size()); }
+  /// Three of a triangle, four of a hinge.
+  std::span<const Index> vertices_of(Index term) const;
+  /// Ascending.
+  std::span<const Index> terms_of(Index vertex) const {
+    return std::span(term_of_vertex_).subspan(term_first_[vertex], term_first_[vertex + 1] - term_first_[vertex]);
+  }
+
+  /// Begins a step.
+  void begin(std::span<const Vec3> positions);
+
+  double energy(Index term, std::span<const Vec3> x) const;
+
+  /// By up to four vertices; what is of no vertex is 0.
+  struct Derivatives {
+    StencilGradient<4> gradient = StencilGradient<4>::Zero();
+    StencilHessian<4> hessian = StencilHessian<4>::Zero();
+  };
+  StencilGradient<4> gradient(Index term, std::span<const Vec3> x) const;
+  Derivatives derivatives(Index term, std::span<const Vec3> x, bool exact) const;
+
+ private:
+  struct Triangle {
+    ClothTriangle piece;
+    std::variant<MembraneNeoHookean, MembraneWeave> material;
+    StrainDamping<2> damping;
+  };
+
+  template <typename Visit>
+  void visit(Index term, std::span<const Vec3> x, const Visit& visit) const;
+
+  std::vector<Triangle> triangles_;
+  std::vector<ClothHinge> hinges_;
+  std::vector<Index> term_first_, term_of_vertex_;
+};
+
+}  // namespace selvage

@@ -1,0 +1,103 @@
+// Cloth among the bodies of a contact finder: met from both sides, without an inside, held off by its thickness.
+#include "contact_steps.h"
+#include "selvage/core/error.h"
+#include "selvage/shapes/shapes.h"
+#include "solids.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace selvage {
+namespace {
+
+using Positions = std::vector<Vec3>;
+
+/// Two triangles of cloth without a common vertex: a wide one in the plane z = 0, and one that stands on its tip over
+/// its middle.
+struct TwoTriangles {
+  TetMesh mesh = TetMesh::without_elements(6);
+  std::vector<VertexTuple<3>> triangles{{0, 1, 2}, {3, 4, 5}};
+
+  Positions with_tip(double height) const {
+    const double up = height < 0 ? -1 : 1;
+    return {{-1, -1, 0}, {2, -1, 0}, {-1, 2, 0}, {0, 0, height}, {0.1, 0, height + up}, {0, 0.1, height + up}};
+  }
+};
+
+TEST(ClothContacts, AFaceIsMetFromBothSides) {
+  const TwoTriangles s;
+  for (const double from : {0.1, -0.1}) {
+    const Positions t0 = s.with_tip(from);
+    Positions t1 = t0;
+    t1[3][2] = -from;
+    ContactFinder finder(s.mesh, {}, t0, {}, {}, {}, {s.triangles, {}});
+    const auto contacts = test::contacts_of_step(finder, t0, t1);
+    ASSERT_FALSE(contacts.empty());
+    EXPECT_EQ(contacts[0].kind, ContactKind::kVertexFace);
+    EXPECT_EQ(contacts[0].point_feature, 3);
+    EXPECT_EQ(contacts[0].surface_feature, 0);
+    EXPECT_NEAR(contacts[0].normal[2], from > 0 ? 1 : -1, 1e-12);
+    EXPECT_NEAR(contacts[0].time, 0.5, 1e-5);
+    EXPECT_EQ(contacts[0].distance, 0);
+    EXPECT_FALSE(finder.find_impacts(t1).pairs.empty());
+    EXPECT_TRUE(finder.find_impacts(t0).pairs.empty());
+    EXPECT_EQ(finder.statistics().unguarded_vertices, 0);
+  }
+}
+
+TEST(ClothContacts, WhatIsNearIsHeldOffByTheThickness) {
+  const TwoTriangles s;
+  const std::vector<double> thickness(6, 0.02);
+  Positions rest = s.with_tip(3);
+  for (const auto& [height, is_near] : {std::pair(0.05, true), std::pair(-0.05, true), std::pair(0.07, false)}) {
+    const Positions t0 = s.with_tip(height);
+    ContactFinder finder(s.mesh, rest, t0, {}, {}, {}, {s.triangles, thickness});
+    const auto contacts = test::contacts_of_step(finder, t0, t0);
+    ASSERT_EQ(!contacts.empty(), is_near) << height;
+    if (!is_near) continue;
+    EXPECT_EQ(contacts[0].kind, ContactKind::kVertexFace);
+    EXPECT_EQ(contacts[0].point_feature, 3);
+    EXPECT_DOUBLE_EQ(contacts[0].distance, 0.04);
+    EXPECT_NEAR(contacts[0].normal[2], height > 0 ? 1 : -1, 1e-12);
+    EXPECT_NEAR(gap_of(contacts[0], t0), std::abs(height), 1e-12);
+  }
+  // As near at rest: left alone, but for two objects.
+  const Positions near = s.with_tip(0.03);
+  ContactFinder one(s.mesh, near, near, {}, {}, {}, {s.triangles, thickness});
+  EXPECT_TRUE(test::contacts_of_step(one, near, near).empty());
+  const std::vector<Index> objects{0, 0, 0, 1, 1, 1};
+  ContactFinder two(s.mesh, near, near, objects, {}, {}, {s.triangles, thickness});
+  EXPECT_FALSE(test::contacts_of_step(two, near, near).empty());
+}
+
+TEST(ClothContacts, WhatStandsInElementsIsSentOut) {
+  const auto box = solids::box({0, 0, 0}, {1, 1, 1}, 2);
+  Positions positions = box.positions;
+  const auto first = static_cast<Index>(positions.size());
+  positions.insert(positions.end(), {{0.3, 0.4, 0.05}, {0.3, 0.4, -1}, {0.4, 0.5, -1}});
+  const TetMesh mesh(first + 3, box.elements);
+  const std::vector<VertexTuple<3>> triangles{{first, first + 1, first + 2}};
+  ContactFinder finder(mesh, {}, positions, {}, {}, {}, {triangles, {}});
+  const auto contacts = test::contacts_of_step(finder, positions, positions);
+  ASSERT_FALSE(contacts.empty());
+  EXPECT_EQ(contacts[0].kind, ContactKind::kVertexPath);
+  EXPECT_EQ(contacts[0].point_feature, first);
+  EXPECT_NEAR(contacts[0].normal[2], -1, 1e-12);
+  EXPECT_NEAR(gap_of(contacts[0], positions), -0.05, 1e-12);
+  EXPECT_EQ(finder.penetrating_vertices()[0], first);
+  EXPECT_GT(finder.statistics().unguarded_vertices, 0);
+  EXPECT_EQ(finder.surface().triangle_count(), mesh.boundary_face_count() + 1);
+}
+
+TEST(ClothContacts, ClothHasVerticesOfItsOwn) {
+  const auto box = solids::box({0, 0, 0}, {1, 1, 1}, 2);
+  const TetMesh mesh = box.mesh();
+  const std::vector<VertexTuple<3>> triangles{{0, 1, 2}};
+  EXPECT_THROW(ContactFinder(mesh, {}, box.positions, {}, {}, {}, {triangles, {}}), Error);
+  const std::vector<VertexTuple<3>> beyond{{0, 1, mesh.vertex_count()}};
+  EXPECT_THROW(ContactFinder(mesh, {}, box.positions, {}, {}, {}, {beyond, {}}), Error);
+}
+
+}  // namespace
+}  // namespace selvage

@@ -1,0 +1,160 @@
+// Scenes with cloth: what is read, what is refused, and what a run stores.
+#include "scene/scene_solver.h"
+#include "selvage/core/error.h"
+#include "selvage/scene/frames.h"
+#include "selvage/scene/run.h"
+#include "selvage/self_collision/continuous_collision.h"
+#include "temporary_folder.h"
+#include "test_scale.h"
+
+#include <gtest/gtest.h>
+
+namespace selvage {
+namespace {
+
+using test::TemporaryFolder;
+
+std::string text_of_cloth(const std::string& body, const std::string& more = "") {
+  return R"({"selvage_scene": 1, "bodies": [{"name": "sheet", )" + body + "}]" + more + "}";
+}
+
+std::string text_of_sheet(const std::string& material) {
+  return text_of_cloth(R"("mesh": {"shape": "cloth", "size": [1, 1, 0], "cell": 0.25}, "material": )" + material);
+}
+
+std::string cloth_refusal(const std::string& text) {
+  try {
+    parse_scene(text, "scene.json");
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(ClothScene, IsReadWithItsMaterial) {
+  const Scene usual =
+      parse_scene(text_of_cloth(R"("mesh": {"shape": "cloth", "size": [1, 1, 0], "cell": 0.25})"), "s.json");
+  EXPECT_EQ(usual.substeps, 10);
+  const Body& body = usual.model.bodies.at(0);
+  EXPECT_EQ(body.triangle_count, 32);
+  EXPECT_EQ(body.cloth.kind, ClothKind::kIsotropic);
+  EXPECT_EQ(body.cloth.thickness, 1e-3);
+  EXPECT_EQ(body.cloth.damping, 0.002);
+  const Scene woven = parse_scene(text_of_cloth(R"("mesh": {"shape": "cloth", "size": [1, 1, 0], "cell": 0.005},
+                  "rotate": {"axis": [0, 0, 1], "degrees": 90},
+                  "material": {"kind": "cloth", "warp": 5, "weft": 4, "shear": 3, "bending": 0, "density": 0.3})"),
+                                  "s.json");
+  const ClothMaterial& cloth = woven.model.bodies.at(0).cloth;
+  EXPECT_EQ(cloth.kind, ClothKind::kWoven);
+  EXPECT_EQ(cloth.weft, 4);
+  EXPECT_NEAR((cloth.warp_direction - Vec3(0, 1, 0)).norm(), 0, 1e-15);
+  EXPECT_NEAR(cloth.thickness, 5e-4, 1e-12);
+}
+
+TEST(ClothScene, RefusesWhatCannotBe) {
+  const auto expect = [](const std::string& text, const std::string& what) {
+    EXPECT_NE(cloth_refusal(text).find(what), std::string::npos) << cloth_refusal(text);
+    EXPECT_EQ(cloth_refusal(text).find('\n'), std::string::npos);
+  };
+  expect(text_of_sheet(R"({"kind": "neo-hookean"})"),
+         "bodies[0].mesh: is a surface; give its body a material of the kind");
+  expect(text_of_cloth(R"("mesh": {"shape": "box"}, "material": {"kind": "cloth"})"), "is a mesh of tetrahedra");
+  expect(text_of_sheet(R"({"kind": "cloth", "warp": 1, "weft": 1})"), "does not give all of warp, weft and shear");
+  expect(text_of_sheet(R"({"kind": "cloth", "warp": 1, "weft": 1, "shear": 1, "stiffness": 2})"),
+         "gives both a stiffness");
+  expect(text_of_sheet(R"({"kind": "cloth", "thickness": 0.2})"), "more than half of its shortest edge");
+  expect(text_of_sheet(R"({"kind": "cloth", "youngs_modulus": 1})"), "youngs_modulus");
+  const std::string sheet = R"("mesh": {"shape": "cloth", "size": [1, 1, 0], "cell": 0.25})";
+  expect(text_of_cloth(sheet + R"(, "scale": [1, 1e-12, 1])"), "has no area at rest");
+  expect(text_of_cloth(sheet, R"(, "solver": "vbd")"), "bodies[0]: is cloth, which the solver vbd does not know");
+}
+
+/// Cloth over a soft ball on a floor, and a second sheet over both.
+const std::string kPile = R"({"selvage_scene": 1, "contact": {"guarantee": true}, "bodies": [
+    {"name": "ball", "mesh": {"shape": "ball", "radius": 0.2, "cell": 0.1}, "translate": [0, 0, 0.2]},
+    {"name": "sheet", "mesh": {"shape": "cloth", "size": [0.8, 0.8, 0], "cell": 0.1}, "translate": [-0.4, -0.4, 0.45],
+     "material": {"kind": "cloth", "bending": 1e-4},
+     "instances": {"grid": {"counts": [1, 1, 2], "spacing": [0, 0, 0.06]}, "jitter": {"degrees": 5, "seed": 3}}}],
+  "colliders": [{"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}]})";
+
+TEST(ClothScene, RunsAndStaysFreeAndStoresItsTriangles) {
+  const Scene scene = parse_scene(kPile, "scene.json");
+  const TriangleMesh surface = surface_of(scene.model);
+  const TemporaryFolder folder;
+  RunOptions options;
+  options.folder = folder.path();
+  options.frames = test::scaled(300, 30);
+  options.vtu = true;
+  options.surface = SurfaceFormat::kPly;
+  const RunReport report = run_scene(scene, options);
+  ASSERT_EQ(report.outcome, RunOutcome::kFinished) << report.message;
+  EXPECT_EQ(guaranteed_from(report.frames), 0);
+  const TopologyFile topology = read_topology(topology_path(folder.path()));
+  EXPECT_EQ(topology.boundary_faces, surface_triangles(scene.model));
+  std::int64_t met = 0;
+  for (std::int64_t frame = 0; frame <= *options.frames; ++frame) {
+    const std::vector<Vec3> positions = read_frame(frame_path(folder.path(), frame)).positions;
+    ASSERT_TRUE(SelfCollisionFinder(surface, positions).find_pairs().empty()) << frame;
+    EXPECT_EQ(report.frames[static_cast<std::size_t>(frame)].triangle_pairs, 0);
+    met += report.frames[static_cast<std::size_t>(frame)].edge_edges;
+  }
+  EXPECT_GT(met, 1000);
+
+  State state = scene.initial_state;
+  SceneSolver solver(scene, true);
+  for (std::int64_t step = 0; step < *options.frames * scene.substeps; ++step) {
+    const std::vector<Vec3> before = state.positions;
+    solver.step(state);
+    ASSERT_TRUE(ContinuousCollisionFinder(surface, before, state.positions).find_pairs().empty()) << step;
+  }
+  EXPECT_EQ(read_frame(frame_path(folder.path(), *options.frames)).positions, state.positions);
+}
+
+TEST(ClothScene, ThoseThatAreShippedStayFreeAtTheirSmallSize) {
+  for (const char* name : {"twist_cloth", "fifty_layers", "cloth_ball", "cloth_on_octopus", "cloth_funnel"}) {
+    const Scene scene = read_scene(std::filesystem::path(SELVAGE_SCENES) / (std::string(name) + ".json"), "small");
+    ASSERT_TRUE(scene.options.contact.guarantee) << name;
+    const TriangleMesh surface = surface_of(scene.model);
+    State state = scene.initial_state;
+    SceneSolver solver(scene, true);
+    std::int64_t contacts = 0;
+    for (std::int64_t step = 0; step < test::scaled(120, 6) * scene.substeps; ++step) {
+      const std::vector<Vec3> before = state.positions;
+      solver.step(state);
+      ASSERT_TRUE(ContinuousCollisionFinder(surface, before, state.positions).find_pairs().empty())
+          << name << ", step " << step;
+      EXPECT_EQ(solver.statistics().unguarded_vertices, 0) << name;
+      for (const std::int64_t count : solver.statistics().contact.contacts) contacts += count;
+      contacts += solver.statistics().collider_contacts;
+    }
+    if (test::scaled(120, 6) == 120) {
+      EXPECT_GT(contacts, 1000) << name;
+    }
+  }
+}
+
+TEST(ClothScene, CountsWhatCrossesAtTheStart) {
+  const Scene scene = parse_scene(R"({"selvage_scene": 1, "frames": 1, "bodies": [
+      {"mesh": {"shape": "cloth", "size": [1, 1, 0], "cell": 0.5}},
+      {"mesh": {"shape": "cloth", "size": [1, 1, 0], "cell": 0.5}, "rotate": {"axis": [1, 0, 0], "degrees": 90},
+       "translate": [0.01, 0.26, -0.45]},
+      {"mesh": {"shape": "box", "size": [1, 1, 1]}, "translate": [0.77, 0.77, -0.5]}]})",
+                                  "scene.json");
+  const TemporaryFolder folder;
+  RunOptions options;
+  options.folder = folder.path();
+  options.frames = 0;
+  const RunReport report = run_scene(scene, options);
+  const auto& pairs = report.crossings.bodies.pairs;
+  ASSERT_GE(pairs.size(), 2u);
+  EXPECT_EQ(pairs[0].first, 0);
+  EXPECT_EQ(pairs[0].second, 1);
+  EXPECT_GT(pairs[0].triangle_pairs, 2);
+  EXPECT_EQ(pairs[0].vertices, 0);
+  EXPECT_EQ(pairs[1].second, 2);
+  EXPECT_EQ(pairs[1].vertices, 1);  // the corner of the first sheet, inside the box
+  EXPECT_EQ(guaranteed_from(report.frames), std::nullopt);
+}
+
+}  // namespace
+}  // namespace selvage
