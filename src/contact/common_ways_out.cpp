@@ -72,7 +72,8 @@ std::vector<CommonWaysOut::Member> CommonWaysOut::members_of(std::span<const Pen
     parents[std::max(a, b)] = std::min(a, b);
   }
   for (Index m = 0; m < std::ssize(members); ++m) members[m].tangle = first_of(parents, m);
-  std::stable_sort(members.begin(), members.end(), [](const Member& a, const Member& b) { return a.tangle < b.tangle; });
+  std::stable_sort(members.begin(), members.end(),
+                   [](const Member& a, const Member& b) { return a.tangle < b.tangle; });
   return members;
 }
 
@@ -110,8 +111,7 @@ BoundaryPath<3> CommonWaysOut::straight_way(std::span<const Vec3> positions, con
     const Vec3 normal = area_normal(corners);
     for (int i = 0; i < 3; ++i) {
       const Vec3 &b = corners[(i + 1) % 3], &c = corners[(i + 2) % 3];
-      path.barycentric[i] =
-          std::clamp(normal.dot((c - b).cross(path.point - b)) / normal.squaredNorm(), 0.0, 1.0);
+      path.barycentric[i] = std::clamp(normal.dot((c - b).cross(path.point - b)) / normal.squaredNorm(), 0.0, 1.0);
     }
     path.barycentric /= path.barycentric.sum();
     if (path.barycentric.allFinite() && path.point.allFinite()) path.status = PathStatus::kFound;
@@ -191,8 +191,8 @@ void CommonWaysOut::apply(std::span<const Vec3> positions, std::span<const Penet
     const Vec3 direction = best_direction(positions, points, paths, tangles[t]);
     if (direction.isZero(0)) return;
     for (const Member& member : tangles[t]) {
-      const BoundaryPath<3> way = straight_way(positions, points[member.point].query.point, points[member.point].query.element,
-                                               member.side * direction);
+      const BoundaryPath<3> way = straight_way(positions, points[member.point].query.point,
+                                               points[member.point].query.element, member.side * direction);
       if (way.status == PathStatus::kFound) paths[member.point] = way;
     }
   });

@@ -2,10 +2,10 @@
 
 #include "contact/closest_rules.h"
 #include "contact/common_ways_out.h"
-#include "contact/impact_search.h"
+#include "contact/impacts/impact_search.h"
+#include "contact/impacts/near_contacts.h"
 #include "contact/input/collider_triangles.h"
 #include "contact/input/inverted_vertices.h"
-#include "contact/near_contacts.h"
 #include "contact/path_contact.h"
 #include "contact/penetration_search.h"
 #include "contact/tangled_vertices.h"

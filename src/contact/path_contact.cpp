@@ -1,6 +1,6 @@
 #include "contact/path_contact.h"
 
-#include "contact/contact_weights.h"
+#include "contact/input/contact_weights.h"
 #include "mesh/simplex_corners.h"
 
 #include <algorithm>

@@ -46,7 +46,8 @@ TEST(CommonWaysOut, LeadTwoRodsThatCrossApartAcrossBoth) {
 }
 
 TEST(CommonWaysOut, LeadABodyInsideAnotherToTheNearestSide) {
-  const Solid outer = solids::box({0, 0, 0}, {1, 1, 1}, 0.25), inner = solids::box({0.3, 0.3, 0.42}, {0.7, 0.7, 0.82}, 0.2);
+  const Solid outer = solids::box({0, 0, 0}, {1, 1, 1}, 0.25),
+              inner = solids::box({0.3, 0.3, 0.42}, {0.7, 0.7, 0.82}, 0.2);
   const Solid both = solids::together({outer, inner});
   const std::vector<Contact> contacts = ways_out(both);
   ASSERT_GE(contacts.size(), 26u);
@@ -58,7 +59,8 @@ TEST(CommonWaysOut, LeadABodyInsideAnotherToTheNearestSide) {
 
 TEST(CommonWaysOut, LeaveShortestPathsThatAgreeAsTheyAre) {
   // A small block a little in the face of a large one.
-  const Solid large = solids::box({0, 0, 0}, {2, 2, 1}, 0.5), small = solids::box({0.8, 0.8, 0.97}, {1.2, 1.2, 1.3}, 0.2);
+  const Solid large = solids::box({0, 0, 0}, {2, 2, 1}, 0.5),
+              small = solids::box({0.8, 0.8, 0.97}, {1.2, 1.2, 1.3}, 0.2);
   const Solid both = solids::together({large, small});
   const std::vector<Contact> contacts = ways_out(both);
   ASSERT_FALSE(contacts.empty());
@@ -89,22 +91,22 @@ TEST(CommonWaysOut, LeavePointsInTheirOwnPieceToTheShortestPath) {
 
 TEST(CommonWaysOut, AreTheSameForAnyNumberOfThreadsAndEndOnTheBoundary) {
   test::Random random(3);
-  for (const auto& family : solids::families())
-    {
-      const Solid solid = solids::together({family.make(random), family.make(random)});
-      const auto contacts = test::with_threads(1, [&] { return ways_out(solid); });
-      const auto again = test::with_threads(4, [&] { return ways_out(solid); });
-      ASSERT_EQ(contacts.size(), again.size()) << family.name;
-      for (std::size_t i = 0; i < contacts.size(); ++i) {
-        EXPECT_EQ(contacts[i].normal, again[i].normal);
-        EXPECT_EQ(contacts[i].weights, again[i].weights);
-        double sum = 0, size = 0;
-        for (int k = 0; k < contacts[i].count; ++k) sum += contacts[i].weights[k], size += std::abs(contacts[i].weights[k]);
-        EXPECT_NEAR(sum, 0, 1e-9) << family.name;
-        EXPECT_LE(size, 2 + 1e-9);
-        EXPECT_NEAR(contacts[i].normal.norm(), 1, 1e-9);
-      }
+  for (const auto& family : solids::families()) {
+    const Solid solid = solids::together({family.make(random), family.make(random)});
+    const auto contacts = test::with_threads(1, [&] { return ways_out(solid); });
+    const auto again = test::with_threads(4, [&] { return ways_out(solid); });
+    ASSERT_EQ(contacts.size(), again.size()) << family.name;
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+      EXPECT_EQ(contacts[i].normal, again[i].normal);
+      EXPECT_EQ(contacts[i].weights, again[i].weights);
+      double sum = 0, size = 0;
+      for (int k = 0; k < contacts[i].count; ++k)
+        sum += contacts[i].weights[k], size += std::abs(contacts[i].weights[k]);
+      EXPECT_NEAR(sum, 0, 1e-9) << family.name;
+      EXPECT_LE(size, 2 + 1e-9);
+      EXPECT_NEAR(contacts[i].normal.norm(), 1, 1e-9);
     }
+  }
 }
 
 }  // namespace

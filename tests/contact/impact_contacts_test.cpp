@@ -1,4 +1,4 @@
-#include "contact/impact_contacts.h"
+#include "contact/impacts/impact_contacts.h"
 
 #include "mesh/simplex_corners.h"
 #include "selvage/geometry/continuous.h"

@@ -97,8 +97,8 @@ TEST(Sleep, ComesToNothingThatFliesOrDrifts) {
 TEST(Sleep, EndsWhereSomethingFallsOnTheHeap) {
   // The third falls from so high that the two others sleep by then.
   Stage heap(make(std::vector{block(0.2, {0, 0, 0.001}), block(0.2, {0.03, 0, 0.205}), block(0.2, {0.05, 0.02, 45})},
-                rubber()),
-           sleeping(), {floor_at(0)});
+                  rubber()),
+             sleeping(), {floor_at(0)});
   ASSERT_TRUE(heap.run_until(2));
   const Vec3 before = heap.state.positions[30];
   ASSERT_TRUE(heap.run_until(0));

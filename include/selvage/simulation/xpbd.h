@@ -76,8 +76,8 @@ class XpbdSolver {
 
   /// Of the last step, as found in the middle of it and projected until its end, in the order of
   /// ContactFinder::find_contacts(). Boundary faces are numbered as in TetMesh::boundary_faces() of the model's mesh,
-  /// then triangles of cloth, edges as in the TriangleMesh of all of these, surface_of(). Vertices, faces and edges with higher numbers are of colliders: of
-  /// their edges, corners and narrow round sides. Valid until the next step.
+  /// then triangles of cloth, edges as in the TriangleMesh of all of these, surface_of(). Vertices, faces and edges
+  /// with higher numbers are of colliders: of their edges, corners and narrow round sides. Valid until the next step.
   std::span<const Contact> contacts() const;
 
   /// Of the last step.

@@ -36,7 +36,10 @@ Eigen::AlignedBox3d in_coordinates_of(const RigidTransform& collider, const Eige
 }  // namespace
 
 Sleep::Sleep(const Model& model, double part, const Vec3& gravity)
-    : model_(model), has_gravity_(!gravity.isZero(0)), is_disturbed_(model.bodies.size(), 0), is_asleep_(model.bodies.size(), 0) {
+    : model_(model),
+      has_gravity_(!gravity.isZero(0)),
+      is_disturbed_(model.bodies.size(), 0),
+      is_asleep_(model.bodies.size(), 0) {
   for (const Body& body : model.bodies) {
     const double size = size_of(box_of(body, model.rest_positions));
     speeds_.push_back(part * std::sqrt(2 * gravity.norm() * size));
@@ -132,8 +135,7 @@ std::vector<Index> Sleep::groups_of(const State& state, double step) const {
   std::vector<Index> order(count), parents(count);
   std::iota(order.begin(), order.end(), 0);
   std::iota(parents.begin(), parents.end(), 0);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](Index a, Index b) { return boxes[a].min()[0] < boxes[b].min()[0]; });
+  std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return boxes[a].min()[0] < boxes[b].min()[0]; });
   const auto root_of = [&](Index b) {
     while (parents[b] != b) b = parents[b] = parents[parents[b]];
     return b;

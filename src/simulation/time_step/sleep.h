@@ -49,15 +49,16 @@ class Sleep {
 
   Eigen::AlignedBox3d box_of(const Body& body, std::span<const Vec3> positions) const;
   Vec3 momentum_of(const Body& body, const State& state) const;
-  void disturb_near(std::span<const PreparedCollider> colliders, const State& state, double start_time, double end_time);
+  void disturb_near(std::span<const PreparedCollider> colliders, const State& state, double start_time,
+                    double end_time);
   Pace pace_of(Index body, const State& state) const;
   std::vector<Index> groups_of(const State& state, double step) const;
 
   const Model& model_;
   bool has_gravity_;
-  std::vector<double> speeds_;  ///< (n_bodies) below which a vertex is slow [m/s]
-  std::vector<double> masses_;  ///< (n_bodies) of what is not pinned [kg]
-  std::vector<double> gaps_;    ///< (n_bodies) by which a box is larger than the body [m]
+  std::vector<double> speeds_;                          ///< (n_bodies) below which a vertex is slow [m/s]
+  std::vector<double> masses_;                          ///< (n_bodies) of what is not pinned [kg]
+  std::vector<double> gaps_;                            ///< (n_bodies) by which a box is larger than the body [m]
   std::vector<std::uint8_t> is_disturbed_, is_asleep_;  ///< (n_bodies) in this step
   std::int64_t asleep_count_ = 0;
 };

@@ -1,6 +1,6 @@
 #include "simulation/xpbd/project_contacts.h"
 
-#include "contact/contact_weights.h"
+#include "contact/input/contact_weights.h"
 
 #include <algorithm>
 #include <array>

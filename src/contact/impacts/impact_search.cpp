@@ -1,4 +1,4 @@
-#include "contact/impact_search.h"
+#include "contact/impacts/impact_search.h"
 
 #include "contact/input/collider_triangles.h"
 #include "core/parallel.h"

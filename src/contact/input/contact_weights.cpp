@@ -1,4 +1,4 @@
-#include "contact/contact_weights.h"
+#include "contact/input/contact_weights.h"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "contact/impact_contacts.h"
+#include "contact/impacts/impact_contacts.h"
 #include "selvage/self_collision/proximity.h"
 
 namespace selvage {

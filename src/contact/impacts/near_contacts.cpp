@@ -1,6 +1,6 @@
-#include "contact/near_contacts.h"
+#include "contact/impacts/near_contacts.h"
 
-#include "contact/contact_weights.h"
+#include "contact/input/contact_weights.h"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
-#include "contact/impact_contacts.h"
+#include "contact/impacts/impact_contacts.h"
 
-#include "contact/contact_weights.h"
+#include "contact/input/contact_weights.h"
 #include "mesh/simplex_corners.h"
 #include "selvage/geometry/closest_point.h"
 
