@@ -11,6 +11,9 @@ namespace selvage {
 
 namespace {
 
+/// Part of the room's size by which the ground is drawn lower than it is.
+constexpr double kBelow = 1e-3;
+
 constexpr int kAround = 72, kRings = 24;  // facets of round shapes
 constexpr double kPlateSize = 0.5;        // half the side of a plane, against the size of the room
 constexpr double kWallRoom = 0.06;        // what a wall stands over its contents, against the size of the room
@@ -201,7 +204,10 @@ Ground find_ground(std::span<const Collider> colliders, const Room& room) {
     }
     if (found.height < highest && (!ground || found.height > ground->height)) ground = found;
   }
-  return ground.value_or(Ground{lowest, {}, false});
+  if (!ground) return {lowest, {}, false};
+  // Cloth that lies on the ground is seen, not the ground in it.
+  ground->height -= kBelow * (room.upper - room.lower).norm();
+  return *ground;
 }
 
 }  // namespace selvage

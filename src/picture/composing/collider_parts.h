@@ -33,7 +33,7 @@ ColliderPart make_collider_part(const Collider& collider, double time, const Roo
 
 /// A flat to stand on.
 struct Ground {
-  double height;                       ///< along `up` [m]
+  double height;                       ///< along `up`, at which it is drawn [m]
   std::optional<std::size_t> plane{};  ///< the collider that it is; none: the floor of a box, or the lowest point
   bool walled = false;                 ///< the floor of a box
 };
