@@ -172,8 +172,13 @@ std::string bar_output(int descriptor, int readable, bool quiet, std::string_vie
   dup2(saved, STDERR_FILENO);
   close(saved);
   if (write(descriptor, "\n", 1) != 1) return "cannot write";
-  std::string text(1000, ' ');
-  text.resize(std::max<ssize_t>(0, read(readable, text.data(), text.size())));
+  // A terminal hands on what it is given piece by piece.
+  std::string text;
+  char piece[1000];
+  for (ssize_t count = 1; count > 0 && text.find('\n') == std::string::npos;) {
+    count = read(readable, piece, sizeof piece);
+    text.append(piece, static_cast<std::size_t>(std::max<ssize_t>(0, count)));
+  }
   return text;
 }
 
