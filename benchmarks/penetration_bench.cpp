@@ -76,7 +76,8 @@ void every_element(benchmark::State& state, const IndexedMesh& file, double rate
 
 void near_crossings(benchmark::State& state, const IndexedMesh& file, bool with_edges, double rate) {
   Scene scene(file);
-  selvage::PenetrationSearch search(scene.mesh, scene.surface, with_edges, scene.at(0));
+  selvage::PenetrationSearch search(scene.mesh, scene.surface, scene.mesh.boundary_face_count(), with_edges,
+                                    scene.at(0));
   selvage::PenetrationCounters counters;
   double step = 0;
   std::size_t found = 0;
@@ -102,7 +103,8 @@ void motion(benchmark::State& state, const IndexedMesh& file) {
 void new_search(benchmark::State& state, const IndexedMesh& file, bool with_edges) {
   Scene scene(file);
   const auto start = scene.at(0);
-  for (auto _ : state) selvage::PenetrationSearch(scene.mesh, scene.surface, with_edges, start);
+  for (auto _ : state)
+    selvage::PenetrationSearch(scene.mesh, scene.surface, scene.mesh.boundary_face_count(), with_edges, start);
 }
 
 #define SELVAGE_STEPS UseRealTime()->Unit(benchmark::kMillisecond)->Iterations(100)
