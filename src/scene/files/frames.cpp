@@ -54,7 +54,7 @@ class Parts {
   std::vector<T> take(std::size_t count) {
     if ((bytes_.size() - next_) / sizeof(T) < count) refuse("is shorter than its header says");
     std::vector<T> items(count);
-    std::memcpy(static_cast<void*>(items.data()), bytes_.data() + next_, count * sizeof(T));
+    if (count > 0) std::memcpy(static_cast<void*>(items.data()), bytes_.data() + next_, count * sizeof(T));
     next_ += count * sizeof(T);
     return items;
   }
