@@ -12,7 +12,9 @@ using namespace selvage;
 void check_promises(const SceneDescription& scene) {
   if (scene.bodies.empty() || !(scene.options.time_step > 0) || scene.frames < 0) std::abort();
   for (const BodyDescription& body : scene.bodies)
-    if (body.instances.empty() || !body.velocity.allFinite() || !(body.material.density > 0)) std::abort();
+    if (body.instances.empty() || !body.velocity.allFinite() || !(body.material.solid.density > 0) ||
+        !(body.material.cloth.density > 0))
+      std::abort();
 }
 
 }  // namespace
