@@ -1,13 +1,13 @@
 #include "contact/common_ways_out.h"
 
 #include "core/parallel.h"
+#include "core/union_find.h"
 #include "mesh/simplex_corners.h"
 
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace selvage {
 
@@ -21,11 +21,6 @@ constexpr std::size_t kSamples = 64;
 constexpr double kParallel = 1e-9;
 /// Elements on a straight way, at most.
 constexpr int kMaxElements = 1000;
-
-Index first_of(std::vector<Index>& parents, Index i) {
-  while (parents[i] != i) i = parents[i] = parents[parents[i]];
-  return i;
-}
 
 /// Towards the faces, edges and corners of a cube.
 std::vector<Vec3> directions_all_around() {
@@ -64,14 +59,11 @@ std::vector<CommonWaysOut::Member> CommonWaysOut::members_of(std::span<const Pen
     for (const Index v : mesh_.elements()[point.query.element]) places.push_back({pieces, v, member});
   }
   std::sort(places.begin(), places.end());
-  std::vector<Index> parents(members.size());
-  std::iota(parents.begin(), parents.end(), 0);
-  for (std::size_t k = 1; k < places.size(); ++k) {
-    if (places[k].pieces != places[k - 1].pieces || places[k].vertex != places[k - 1].vertex) continue;
-    const Index a = first_of(parents, places[k - 1].member), b = first_of(parents, places[k].member);
-    parents[std::max(a, b)] = std::min(a, b);
-  }
-  for (Index m = 0; m < std::ssize(members); ++m) members[m].tangle = first_of(parents, m);
+  UnionFind tangles(members.size());
+  for (std::size_t k = 1; k < places.size(); ++k)
+    if (places[k].pieces == places[k - 1].pieces && places[k].vertex == places[k - 1].vertex)
+      tangles.join(places[k - 1].member, places[k].member);
+  for (Index m = 0; m < std::ssize(members); ++m) members[m].tangle = tangles.lowest(m);
   std::stable_sort(members.begin(), members.end(),
                    [](const Member& a, const Member& b) { return a.tangle < b.tangle; });
   return members;

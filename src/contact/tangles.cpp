@@ -1,19 +1,11 @@
 #include "contact/tangles.h"
 
+#include "core/union_find.h"
+
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 namespace selvage {
-
-namespace {
-
-Index first_of(std::vector<Index>& parents, Index point) {
-  while (parents[point] != point) point = parents[point] = parents[parents[point]];
-  return point;
-}
-
-}  // namespace
 
 Index number_tangles(const TetMesh& mesh, std::span<const Index> pieces, std::span<PenetratingPoint> points) {
   std::vector<std::pair<Index, Index>> places;  // vertices, and the points that have them
@@ -27,17 +19,15 @@ Index number_tangles(const TetMesh& mesh, std::span<const Index> pieces, std::sp
     for (int k = 0; k < point.count; ++k) places.push_back({point.vertices[k], i});
   }
   std::sort(places.begin(), places.end());
-  // The parent of each point is itself or one before it.
-  std::vector<Index> parents(points.size());
-  std::iota(parents.begin(), parents.end(), 0);
-  for (std::size_t k = 1; k < places.size(); ++k) {
-    if (places[k].first != places[k - 1].first) continue;
-    const Index a = first_of(parents, places[k - 1].second), b = first_of(parents, places[k].second);
-    parents[std::max(a, b)] = std::min(a, b);
-  }
+  UnionFind tangles(points.size());
+  for (std::size_t k = 1; k < places.size(); ++k)
+    if (places[k].first == places[k - 1].first) tangles.join(places[k - 1].second, places[k].second);
+  const std::vector<Index> numbers = tangles.numbered();
   Index count = 0;
-  for (Index i = 0; i < std::ssize(points); ++i)
-    points[i].tangle = parents[i] == i ? count++ : points[parents[i]].tangle;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i].tangle = numbers[i];
+    count = std::max(count, numbers[i] + 1);
+  }
   return count;
 }
 

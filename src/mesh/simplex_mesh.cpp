@@ -1,6 +1,7 @@
 #include "selvage/mesh/simplex_mesh.h"
 
 #include "core/parallel.h"
+#include "core/union_find.h"
 #include "mesh/tuple_check.h"
 #include "mesh/vertex_stars.h"
 #include "selvage/core/error.h"
@@ -226,24 +227,11 @@ std::vector<BoundaryRidge<D>> SimplexMesh<D>::boundary_ridges() const {
 /// memory is read in order.
 template <int D>
 std::vector<Index> SimplexMesh<D>::element_components() const {
-  std::vector<Index> below(elements_.size());
-  const auto lowest = [&](Index e) {
-    while (below[e] != e) e = below[e] = below[below[e]];
-    return e;
-  };
-  for (Index e = 0; e < element_count(); ++e) {
-    Index root = below[e] = e;
-    for (const HalfFace across : neighbours_[e]) {
-      if (!across.exists() || across.element() > e) continue;
-      const Index other = lowest(across.element());
-      const auto [small, large] = std::minmax(root, other);
-      root = below[large] = small;
-    }
-  }
-  Index count = 0;
-  std::vector<Index>& component = below;  // each element after the one that it points to
-  for (Index e = 0; e < element_count(); ++e) component[e] = below[e] == e ? count++ : component[below[e]];
-  return component;
+  UnionFind components(elements_.size());
+  for (Index e = 0; e < element_count(); ++e)
+    for (const HalfFace across : neighbours_[e])
+      if (across.exists() && across.element() < e) components.join(across.element(), e);
+  return components.numbered();
 }
 
 template class SimplexMesh<2>;

@@ -1,6 +1,7 @@
 #include "selvage/mesh/triangle_mesh.h"
 
 #include "core/parallel.h"
+#include "core/union_find.h"
 #include "mesh/tuple_check.h"
 #include "mesh/vertex_stars.h"
 #include "selvage/core/error.h"
@@ -125,25 +126,10 @@ TriangleMesh::TriangleMesh(Index vertex_count, std::vector<Triangle> triangles)
 }
 
 std::vector<Index> connected_pieces(const TriangleMesh& mesh) {
-  std::vector<Index> pieces(mesh.triangles().size(), kNone), front;
-  Index count = 0;
-  for (Index first = 0; first < mesh.triangle_count(); ++first) {
-    if (pieces[first] != kNone) continue;
-    pieces[first] = count;
-    front.push_back(first);
-    while (!front.empty()) {
-      const Index t = front.back();
-      front.pop_back();
-      for (const Index v : mesh.triangles()[t])
-        for (const Index other : mesh.vertex_triangles(v)) {
-          if (pieces[other] != kNone) continue;
-          pieces[other] = count;
-          front.push_back(other);
-        }
-    }
-    ++count;
-  }
-  return pieces;
+  UnionFind pieces(mesh.triangles().size());
+  for (Index t = 0; t < mesh.triangle_count(); ++t)
+    for (const Index v : mesh.triangles()[t]) pieces.join(mesh.vertex_triangles(v).front(), t);
+  return pieces.numbered();
 }
 
 TriangleMesh boundary_surface(const TetMesh& mesh) {

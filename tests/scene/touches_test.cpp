@@ -74,16 +74,19 @@ TEST(Touches, OfAVertexWithEachKindOfCollider) {
   EXPECT_TRUE(touches_of(corner_at(place - Vec3(0.01, 0, 0)), kOne, {colliders[5]}, 0).empty());
 }
 
+auto touches_of(const std::vector<VertexTuple<4>>& elements, const Positions& positions) {
+  const TetMesh mesh(static_cast<Index>(positions.size()), elements);
+  TouchFinder finder(mesh, positions, {});
+  return finder.find(positions, 0);
+}
+
 TEST(Touches, OfAVertexWithTheNearestFace) {
   // The tip of the first is below the lowest face of the second, whose normal points down.
   const auto at = [](double gap) {
     const Positions second{{-2, -2, gap}, {2, -2, gap}, {0, 2, gap}, {0, 0, 2}};
     Positions first = corner_at({0, 0, 0});
     for (Vec3& p : first) p = {p[1], p[2], p[0]};
-    const TetMesh mesh(8, {{0, 2, 1, 3}, {4, 5, 6, 7}});
-    const Positions positions = joined(first, second);
-    TouchFinder finder(mesh, positions, {});
-    return finder.find(positions, 0);
+    return touches_of({{0, 2, 1, 3}, {4, 5, 6, 7}}, joined(first, second));
   };
   const auto touches = at(0.01);
   ASSERT_EQ(touches.size(), 1u);
@@ -98,10 +101,7 @@ TEST(Touches, OfTwoEdgesBetweenTheirEnds) {
   const auto at = [](double gap) {
     const Positions lower{{-1, 0, 0}, {1, 0, 0}, {0, -0.5, -1}, {0, 0.5, -1}};
     const Positions upper{{0, -1, gap}, {0, 1, gap}, {0.5, 0, 1 + gap}, {-0.5, 0, 1 + gap}};
-    const TetMesh mesh(8, {{0, 1, 2, 3}, {4, 5, 7, 6}});
-    const Positions positions = joined(lower, upper);
-    TouchFinder finder(mesh, positions, {});
-    return finder.find(positions, 0);
+    return touches_of({{0, 1, 2, 3}, {4, 5, 7, 6}}, joined(lower, upper));
   };
   const auto touches = at(0.01);
   ASSERT_EQ(touches.size(), 1u);

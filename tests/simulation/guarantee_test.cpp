@@ -6,6 +6,7 @@
 #include "selvage/simulation/vbd.h"
 #include "simulation/bodies.h"
 #include "simulation/colliders/collider_surface.h"
+#include "simulation/guarded_steps.h"
 #include "test_scale.h"
 
 #include <tbb/global_control.h>
@@ -102,18 +103,7 @@ void expect_nothing_meets(std::uint64_t seed, int steps, std::int64_t& met, std:
   const Judge judge(scene.model, scene.colliders);
   Solver solver(scene.model, scene.state, {}, scene.colliders, guaranteed<Options>());
   if (!judge.is_free(scene.state)) return;
-  for (int i = 0; i < steps; ++i) {
-    const State before = scene.state;
-    solver.step(scene.state);
-    ASSERT_EQ(judge.pairs(before, scene.state), 0) << seed << ", step " << i;
-    const StepStatistics& statistics = solver.statistics();
-    EXPECT_EQ(statistics.unguarded_vertices, 0);
-    if (statistics.impacts_met == 0 && statistics.hold_back_rounds == 0) {
-      EXPECT_EQ(statistics.held_back_vertices, 0);
-    }
-    met += statistics.impacts_met;
-    held += statistics.held_back_vertices;
-  }
+  expect_free_steps(judge, solver, scene.state, steps, seed, met, held);
 }
 
 TEST(Guarantee, HoldsWhateverFliesAtWhatWithXpbd) {

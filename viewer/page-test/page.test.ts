@@ -1,15 +1,15 @@
 // The page in Chromium, as the program writes it.
 import { readFileSync, writeFileSync } from "node:fs";
-import type { Browser, Page } from "playwright-core";
-import { afterAll, beforeAll, describe, expect, it } from "vitest";
-import { launchChromium, path, removePages, writePages } from "./pages";
+import type { Page } from "playwright-core";
+import { describe, expect, it } from "vitest";
+import { path, usePages } from "./pages";
 
-let browser: Browser;
+const browser = usePages();
 let page: Page;
 const complaints: string[] = [];
 
 async function open(name: string, options: { width?: number; script?: string } = {}): Promise<Page> {
-  page = await browser.newPage({ viewport: { width: options.width ?? 1000, height: 700 } });
+  page = await browser().newPage({ viewport: { width: options.width ?? 1000, height: 700 } });
   page.on("console", (message) => complaints.push(`console: ${message.text()}`));
   page.on("pageerror", (error) => complaints.push(`error: ${error.message}`));
   page.on("request", (request) => {
@@ -59,16 +59,6 @@ function difference(a: number[], b: number[]): number {
   for (let i = 0; i < a.length; i += 4) if ([0, 1, 2].some((c) => Math.abs(a[i + c] - b[i + c]) > 51)) ++count;
   return (4 * count) / a.length;
 }
-
-beforeAll(async () => {
-  writePages();
-  browser = await launchChromium();
-});
-
-afterAll(async () => {
-  await browser?.close();
-  removePages();
-});
 
 describe("the page of a run", () => {
   it("opens without a word and shows the first frame", async () => {

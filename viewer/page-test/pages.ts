@@ -4,7 +4,7 @@ import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { chromium, type Browser } from "playwright-core";
-import { expect } from "vitest";
+import { afterAll, beforeAll, expect } from "vitest";
 
 const program = resolve(process.env.SELVAGE ?? "../build/release/selvage");
 const folder = mkdtempSync(join(tmpdir(), "selvage-page-"));
@@ -33,7 +33,7 @@ const scene = {
 };
 
 /// Writes run.html and check.html, step.html, paths.html and resolve.html, with the JSON that they are of.
-export function writePages(): void {
+function writePages(): void {
   writeFileSync(path("blocks.json"), JSON.stringify(scene));
   selvage("simulate", "blocks.json", "-o", "run");
   selvage("view", "run", "-o", "run.html");
@@ -50,12 +50,26 @@ export function writePages(): void {
   for (const name of ["check", "step", "paths", "resolve"]) selvage("view", `${name}.json`, "-o", `${name}.html`);
 }
 
-export function removePages(): void {
+function removePages(): void {
   rmSync(folder, { recursive: true });
 }
 
-export function launchChromium(): Promise<Browser> {
+function launchChromium(): Promise<Browser> {
   const executablePath = process.env.CHROMIUM ?? "/usr/bin/chromium";
   const args = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
   return chromium.launch({ executablePath, args });
+}
+
+/// Writes the pages before the tests of a file, opens a browser for them, and hands it out.
+export function usePages(): () => Browser {
+  let browser: Browser;
+  beforeAll(async () => {
+    writePages();
+    browser = await launchChromium();
+  });
+  afterAll(async () => {
+    await browser?.close();
+    removePages();
+  });
+  return () => browser;
 }

@@ -1,28 +1,18 @@
 // The page for fingers, for screen readers, and in Firefox. FIREFOX names that browser.
 import { existsSync } from "node:fs";
-import playwright, { type Browser, type BrowserType, type Page } from "playwright-core";
-import { afterAll, beforeAll, describe, expect, it } from "vitest";
-import { launchChromium, path, removePages, writePages } from "./pages";
+import playwright, { type BrowserType, type Page } from "playwright-core";
+import { describe, expect, it } from "vitest";
+import { path, usePages } from "./pages";
 
-let browser: Browser;
+const browser = usePages();
 let page: Page;
 
 const until = (name: string, value: string) =>
   page.waitForFunction(([n, v]) => document.documentElement.dataset[n] === v, [name, value], { timeout: 20000 });
 
-beforeAll(async () => {
-  writePages();
-  browser = await launchChromium();
-});
-
-afterAll(async () => {
-  await browser?.close();
-  removePages();
-});
-
 describe("the page for fingers and for screen readers", () => {
   it("tells the values of a vertex that is tapped on", async () => {
-    page = await browser.newPage({ viewport: { width: 400, height: 760 }, hasTouch: true });
+    page = await browser().newPage({ viewport: { width: 400, height: 760 }, hasTouch: true });
     await page.goto(`file://${path("run.html")}`);
     await until("state", "ready");
     const box = (await page.locator("#picture").boundingBox())!;

@@ -28,6 +28,19 @@ double largest(std::span<const double> thickness) {
   return *std::max_element(thickness.begin(), thickness.end());
 }
 
+/// Without its vertices.
+template <typename Near>
+Contact held_apart(ContactKind kind, const Near& near, double distance, const std::array<Index, 2>& features) {
+  Contact contact;
+  contact.kind = kind;
+  contact.normal = (near.nearest[0] - near.nearest[1]) / near.distance;
+  contact.point = near.nearest[1];
+  contact.distance = distance;
+  contact.point_feature = features[0];
+  contact.surface_feature = features[1];
+  return contact;
+}
+
 }  // namespace
 
 NearSearch::NearSearch(const SurfaceStep& step, std::vector<Vec3> rest_positions, std::vector<double> thickness)
@@ -46,15 +59,9 @@ std::optional<Contact> NearSearch::contact_of(const NearVertexFace& near) const 
   const auto& face = surface_.triangles()[near.face];
   const double distance = thickness_[near.vertex] + thickness_of(face);
   if (!(near.distance > 0) || near.distance > kReach * distance) return {};
-  Contact contact;
-  contact.kind = ContactKind::kVertexFace;
+  Contact contact = held_apart(ContactKind::kVertexFace, near, distance, {near.vertex, near.face});
   add_weight(contact, near.vertex, 1);
   for (int i = 0; i < 3; ++i) add_weight(contact, face[i], -near.barycentric[i]);
-  contact.normal = (near.nearest[0] - near.nearest[1]) / near.distance;
-  contact.point = near.nearest[1];
-  contact.distance = distance;
-  contact.point_feature = near.vertex;
-  contact.surface_feature = near.face;
   return contact;
 }
 
@@ -66,15 +73,9 @@ std::optional<Contact> NearSearch::contact_of(const NearEdges& near) const {
   if (!(near.distance > 0) || near.distance > kReach * distance || !is_inside(near.place[0]) ||
       !is_inside(near.place[1]))
     return {};
-  Contact contact;
-  contact.kind = ContactKind::kEdgeEdge;
+  Contact contact = held_apart(ContactKind::kEdgeEdge, near, distance, {near.first, near.second});
   for (int i = 0; i < 2; ++i) add_weight(contact, a[i], i == 0 ? 1 - near.place[0] : near.place[0]);
   for (int i = 0; i < 2; ++i) add_weight(contact, b[i], i == 0 ? near.place[1] - 1 : -near.place[1]);
-  contact.normal = (near.nearest[0] - near.nearest[1]) / near.distance;
-  contact.point = near.nearest[1];
-  contact.distance = distance;
-  contact.point_feature = near.first;
-  contact.surface_feature = near.second;
   return contact;
 }
 

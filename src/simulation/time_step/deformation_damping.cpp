@@ -1,10 +1,10 @@
 #include "simulation/time_step/deformation_damping.h"
 
 #include "core/parallel.h"
+#include "core/union_find.h"
 #include "simulation/rigid_motion.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace selvage {
 
@@ -22,22 +22,17 @@ std::vector<Index> pieces_of_vertices(const Model& model) {
     count = std::max(count, of_elements[e] + 1);
     for (const Index v : model.mesh.elements()[e]) pieces[v] = of_elements[e];
   }
-  std::vector<Index> parents(model.triangles.empty() ? 0 : pieces.size());
-  std::iota(parents.begin(), parents.end(), 0);
-  const auto root_of = [&](Index v) {
-    while (parents[v] != v) v = parents[v] = parents[parents[v]];
-    return v;
-  };
-  for (const auto& [a, b, c] : model.triangles)
-    for (const Index v : {b, c}) {
-      const auto [least, most] = std::minmax({root_of(a), root_of(v)});
-      parents[most] = least;
-    }
+  if (model.triangles.empty()) return pieces;
+  UnionFind cloth(pieces.size());
+  for (const auto& [a, b, c] : model.triangles) {
+    cloth.join(a, b);
+    cloth.join(a, c);
+  }
   for (const auto& triangle : model.triangles)
     for (const Index v : triangle) {
-      const Index root = root_of(v);
-      if (pieces[root] == kNone) pieces[root] = count++;
-      pieces[v] = pieces[root];
+      Index& of_lowest = pieces[cloth.lowest(v)];
+      if (of_lowest == kNone) of_lowest = count++;
+      pieces[v] = of_lowest;
     }
   return pieces;
 }

@@ -1,6 +1,7 @@
 #include "simulation/time_step/sleep.h"
 
 #include "core/parallel.h"
+#include "core/union_find.h"
 #include "mesh/position_extent.h"
 
 #include <algorithm>
@@ -132,22 +133,14 @@ std::vector<Index> Sleep::groups_of(const State& state, double step) const {
     boxes[b].min().array() -= gaps_[b];
     boxes[b].max().array() += gaps_[b];
   });
-  std::vector<Index> order(count), parents(count);
+  std::vector<Index> order(count), groups(count);
   std::iota(order.begin(), order.end(), 0);
-  std::iota(parents.begin(), parents.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return boxes[a].min()[0] < boxes[b].min()[0]; });
-  const auto root_of = [&](Index b) {
-    while (parents[b] != b) b = parents[b] = parents[parents[b]];
-    return b;
-  };
+  UnionFind near(count);
   for (std::size_t i = 0; i < count; ++i)
-    for (std::size_t j = i + 1; j < count && boxes[order[j]].min()[0] <= boxes[order[i]].max()[0]; ++j) {
-      if (!boxes[order[i]].intersects(boxes[order[j]])) continue;
-      const Index a = root_of(order[i]), b = root_of(order[j]);
-      parents[std::max(a, b)] = std::min(a, b);
-    }
-  std::vector<Index> groups(count);
-  for (std::size_t b = 0; b < count; ++b) groups[b] = root_of(static_cast<Index>(b));
+    for (std::size_t j = i + 1; j < count && boxes[order[j]].min()[0] <= boxes[order[i]].max()[0]; ++j)
+      if (boxes[order[i]].intersects(boxes[order[j]])) near.join(order[i], order[j]);
+  for (Index b = 0; b < std::ssize(groups); ++b) groups[b] = near.lowest(b);
   return groups;
 }
 
