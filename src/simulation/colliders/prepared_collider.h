@@ -4,6 +4,7 @@
 #include "selvage/simulation/collider.h"
 #include "simulation/colliders/mesh_collider.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -57,6 +58,35 @@ inline std::optional<Hit> find_hit(const CylinderShape& cylinder, const Vec3& p)
 
 inline std::optional<Hit> find_hit(const MeshCollider& mesh, const Vec3& p) {
   return mesh.find_hit(p);
+}
+
+/// A shape that is thicker on the side where bodies are, so that it holds at its surface the middle of what is twice as
+/// thick. A bowl is so inside, not at its rim; a mesh stays as it is.
+inline PlaneShape grown(const PlaneShape& plane, double by) {
+  return {plane.point + by * plane.normal, plane.normal};
+}
+inline Bowl grown(const Bowl& bowl, double by) {
+  return {bowl.centre, bowl.axis, bowl.radius - by};
+}
+inline SphereShape grown(const SphereShape& sphere, double by) {
+  return {sphere.centre, sphere.radius + by};
+}
+inline CylinderShape grown(const CylinderShape& cylinder, double by) {
+  return {cylinder.centre, cylinder.axis, cylinder.radius + by, cylinder.length + 2 * by};
+}
+inline const MeshCollider& grown(const MeshCollider& mesh, double) {
+  return mesh;
+}
+
+/// A shape grown for a vertex of cloth: by half of the thickness, where the vertex starts the step at least as far off.
+/// Where it starts nearer, it comes to its distance little by little, without the speed of a push.
+/// @param was  where the vertex starts, in the collider's own coordinates
+template <typename Shape>
+decltype(auto) grown_for(const Shape& shape, double half_thickness, const Vec3& was) {
+  constexpr double kPart = 1.0 / 50;
+  const std::optional<Hit> hit = find_hit(grown(shape, half_thickness), was);
+  const double missing = hit ? hit->depth - kPart * half_thickness : 0.0;
+  return grown(shape, half_thickness - std::clamp(missing, 0.0, half_thickness));
 }
 
 /// @throws Error  when a shape, a motion or a friction is impossible; it names which

@@ -64,11 +64,15 @@ struct MovingCollider {
   }
 
   /// Moves a vertex that friction has left inside, or beyond, to the surface once more.
-  void set_on_surface(const Step& step, std::int64_t v, StepVertex& vertex) const {
+  void set_on_surface(const Step& step, std::int64_t v, double half_thickness, StepVertex& vertex) const {
     const Vec3 p = to_local(vertex);
     const Vec3 was = start.invert(step.positions[v]);
-    const std::optional<Hit> hit =
-        std::visit([&](const auto& shape) { return find_hit_on_way(shape, was, p); }, collider.shape);
+    const std::optional<Hit> hit = std::visit(
+        [&](const auto& shape) {
+          return half_thickness > 0 ? find_hit_on_way(grown_for(shape, half_thickness, was), was, p)
+                                    : find_hit_on_way(shape, was, p);
+        },
+        collider.shape);
     if (hit) position(vertex) = end(p + hit->depth * hit->normal);
   }
 
@@ -91,8 +95,15 @@ struct MovingCollider {
 class Projection {
  public:
   Projection(std::span<const PreparedCollider> colliders, const Step& step, std::span<const double> max_corrections,
-             std::span<const Vec3> ejected, std::span<ColliderContactState> states, std::span<StepVertex> vertices)
-      : step_(step), max_corrections_(max_corrections), ejected_(ejected), states_(states), vertices_(vertices) {
+             std::span<const double> half_thickness, std::span<const Vec3> ejected,
+             std::span<ColliderContactState> states, std::span<StepVertex> vertices)
+      : step_(step),
+        max_corrections_(max_corrections),
+        half_thickness_(half_thickness),
+        ejected_(ejected),
+        states_(states),
+        vertices_(vertices) {
+    for (const double half : half_thickness) largest_half_ = std::max(largest_half_, half);
     for (const PreparedCollider& collider : colliders) {
       colliders_.emplace_back(collider, step);
       any_far_side_ |= std::visit([](const auto& s) { return kHasFarSide<std::decay_t<decltype(s)>>; }, collider.shape);
@@ -121,6 +132,10 @@ class Projection {
     Boxes boxes;
     boxes.ways = boxes.now = box_around(vertices_.subspan(first, last - first));
     for (std::int64_t v = first; v < last && any_far_side_; ++v) boxes.ways.extend(step_.positions[v]);
+    for (Eigen::AlignedBox3d* box : {&boxes.now, &boxes.ways}) {
+      box->min().array() -= largest_half_;
+      box->max().array() += largest_half_;
+    }
     return boxes;
   }
 
@@ -141,8 +156,11 @@ class Projection {
     // Friction that stops a vertex from sliding along one wall also stops it from leaving another, and from leaving the
     // same one where that is hollow.
     for (const std::int64_t v : pushed)
-      for (const MovingCollider& collider : colliders_) collider.set_on_surface(step_, v, vertices_[v]);
+      for (const MovingCollider& collider : colliders_)
+        collider.set_on_surface(step_, v, half_thickness_of(v), vertices_[v]);
   }
+
+  double half_thickness_of(std::int64_t v) const { return half_thickness_.empty() ? 0 : half_thickness_[v]; }
 
   template <typename Shape>
   void push_run_out(std::size_t c, const Shape& shape, std::int64_t first, std::int64_t last,
@@ -150,15 +168,21 @@ class Projection {
     for (std::int64_t v = first; v < last; ++v) {
       if (!(vertices_[v].inverse_mass > 0)) continue;
       const double surface = max_corrections_.empty() ? HUGE_VAL : kContactGap * max_corrections_[v];
-      const ColliderContacts hit = colliders_[c].push_out(shape, step_, v, surface, ejected_[v],
-                                                          states_[v * colliders_.size() + c], vertices_[v]);
+      const auto push_out = [&](const auto& own) {
+        return colliders_[c].push_out(own, step_, v, surface, ejected_[v], states_[v * colliders_.size() + c],
+                                      vertices_[v]);
+      };
+      const double half = half_thickness_of(v);
+      const ColliderContacts hit =
+          half > 0 ? push_out(grown_for(shape, half, colliders_[c].start.invert(step_.positions[v]))) : push_out(shape);
       if (hit.count > 0) pushed.push_back(v);
       hits.add(hit);
     }
   }
 
   const Step& step_;
-  std::span<const double> max_corrections_;
+  std::span<const double> max_corrections_, half_thickness_;
+  double largest_half_ = 0;  ///< [m]
   std::span<const Vec3> ejected_;
   std::span<ColliderContactState> states_;
   std::span<StepVertex> vertices_;
@@ -169,10 +193,11 @@ class Projection {
 }  // namespace
 
 ColliderContacts project_colliders(std::span<const PreparedCollider> colliders, const Step& step,
-                                   std::span<const double> max_corrections, std::span<const Vec3> ejected,
-                                   std::span<ColliderContactState> states, std::span<StepVertex> vertices) {
+                                   std::span<const double> max_corrections, std::span<const double> half_thickness,
+                                   std::span<const Vec3> ejected, std::span<ColliderContactState> states,
+                                   std::span<StepVertex> vertices) {
   if (colliders.empty()) return {};
-  return Projection(colliders, step, max_corrections, ejected, states, vertices).project();
+  return Projection(colliders, step, max_corrections, half_thickness, ejected, states, vertices).project();
 }
 
 std::vector<ColliderEntry> find_entries(std::span<const PreparedCollider> colliders, const Step& step,

@@ -37,12 +37,13 @@ struct ColliderContacts {
 ///
 /// @param max_corrections  (n_vertices) [m] a vertex that starts the step inside by less than kContactGap of them lies
 ///                         on the surface; empty: so do all vertices that start inside
+/// @param half_thickness   (n_vertices) by which cloth is held off [m]; empty: all is thin
 /// @param ejected          (n_vertices) by how much contacts sent vertices out of bodies [m]: friction does not count
 ///                         it as sliding
 /// @param states           (n_vertices x n_colliders); updated
 ColliderContacts project_colliders(std::span<const PreparedCollider> colliders, const Step& step,
-                                   std::span<const double> max_corrections, std::span<const Vec3> ejected,
-                                   std::span<ColliderContactState> states, std::span<StepVertex> vertices);
+                                   std::span<const double> max_corrections, std::span<const double> half_thickness,
+                                   std::span<const Vec3> ejected, std::span<ColliderContactState> states, std::span<StepVertex> vertices);
 
 /// A vertex that enters or passes a collider in the step.
 struct ColliderEntry {

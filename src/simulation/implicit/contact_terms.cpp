@@ -59,15 +59,21 @@ void append_contact_terms(TimeStep& time_step, const IncrementalPotential& poten
   }
 }
 
-void append_collider_terms(std::span<const PreparedCollider> colliders, const Step& step,
-                           std::span<const double> max_corrections, std::span<const Vec3> x,
-                           const IncrementalPotential& potential, std::vector<OffsetTerm>& terms) {
-  for (const PreparedCollider& collider : colliders) {
+void append_collider_terms(const TimeStep& time_step, std::span<const Vec3> x, const IncrementalPotential& potential,
+                           std::vector<OffsetTerm>& terms) {
+  const Step& step = time_step.step();
+  const auto max_corrections = time_step.max_corrections(), half_thickness = time_step.half_thickness();
+  for (const PreparedCollider& collider : time_step.colliders()) {
     const RigidTransform start = collider.motion.at(step.start_time), end = collider.motion.at(step.end_time);
     for (Index v = 0; v < potential.vertex_count(); ++v) {
       if (!potential.is_free(v)) continue;
       const Vec3 was = start.invert(step.positions[v]), p = end.invert(x[v]);
-      const auto hit = std::visit([&](const auto& shape) { return find_hit_on_way(shape, was, p); }, collider.shape);
+      const double half = half_thickness.empty() ? 0 : half_thickness[v];
+      const auto hit = std::visit(
+          [&](const auto& shape) {
+            return half > 0 ? find_hit_on_way(grown_for(shape, half, was), was, p) : find_hit_on_way(shape, was, p);
+          },
+          collider.shape);
       if (!hit) continue;
       OffsetTerm term;
       term.count = 1;

@@ -21,8 +21,7 @@ void append_contact_terms(TimeStep& time_step, const IncrementalPotential& poten
 
 /// Vertices that are inside colliders at x, each kept in front of the plane of its way out. One that starts the step
 /// inside is kept from going deeper: TimeStep::project_colliders() takes it out, without speed.
-void append_collider_terms(std::span<const PreparedCollider> colliders, const Step& step,
-                           std::span<const double> max_corrections, std::span<const Vec3> x,
-                           const IncrementalPotential& potential, std::vector<OffsetTerm>& terms);
+void append_collider_terms(const TimeStep& time_step, std::span<const Vec3> x, const IncrementalPotential& potential,
+                           std::vector<OffsetTerm>& terms);
 
 }  // namespace selvage

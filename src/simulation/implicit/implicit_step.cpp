@@ -55,7 +55,7 @@ void ImplicitStep::guess(const State& state) {
 /// Takes over all contacts, and colliders that vertices have run into. False: no collider is new.
 bool ImplicitStep::renew_terms() {
   std::vector<OffsetTerm> found;
-  append_collider_terms(time_step_.colliders(), time_step_.step(), time_step_.max_corrections(), x_, potential_, found);
+  append_collider_terms(time_step_, x_, potential_, found);
   std::erase_if(found, [&](const OffsetTerm& term) { return has_collider_term_[term.vertices[0]] != 0; });
   for (const OffsetTerm& term : found) has_collider_term_[term.vertices[0]] = 1;
   collider_terms_.insert(collider_terms_.end(), found.begin(), found.end());

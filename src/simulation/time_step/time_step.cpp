@@ -45,7 +45,7 @@ std::vector<VertexTuple<3>> triangles_after(Index vertex_count, std::vector<Vert
 
 TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle> handles,
                    std::span<const Collider> colliders, const StepOptions& options)
-    : model_(model), options_(options), handles_(std::move(handles)), body_of_(bodies_of_vertices(model)) {
+    : model_(model), options_(options), handles_(std::move(handles)), body_of_(bodies_of_vertices(model)), half_thickness_(half_thickness_of(model)) {
   check_options(options);
   check_state(model, initial);
   check_handles(model, handles_);
@@ -72,10 +72,9 @@ TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle>
   for (std::size_t i = 0; i < collider_surface_.positions.size(); ++i)
     positions.push_back(
         colliders_[collider_surface_.collider_of_vertices[i]].motion.at(0)(collider_surface_.positions[i]));
-  const std::vector<double> thickness = half_thickness_of(model);
   contact_finder_.emplace(model.mesh, model.rest_positions, positions, body_of_, contact,
                           triangles_after(model.mesh.vertex_count(), collider_surface_.triangles),
-                          ContactCloth{model.triangles, thickness});
+                          ContactCloth{model.triangles, half_thickness_});
   candidate_.resize(all);
   if (contact.hold_back && contact.mode == DetectionMode::kHybrid && !contact.interior_points)
     gate_.emplace(model, static_cast<Index>(all), contact.guarantee);
@@ -301,7 +300,7 @@ void TimeStep::project_colliders() {
   no_impacts_ = false;
   const auto surface = may_start_inside_ ? std::span<const double>(max_corrections_) : std::span<const double>();
   collider_contacts_.add(
-      selvage::project_colliders(colliders_, step_, surface, ejected_, collider_states_, vertices()));
+      selvage::project_colliders(colliders_, step_, surface, half_thickness_, ejected_, collider_states_, vertices()));
   statistics_.collider_contacts = collider_contacts_.count;
 }
 

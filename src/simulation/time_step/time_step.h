@@ -68,6 +68,8 @@ class TimeStep {
   /// Begun last. Its positions and velocities are those of contact_vertices().
   const Step& step() const { return step_; }
   std::span<const PreparedCollider> colliders() const { return colliders_; }
+  /// (n_vertices) by which colliders hold cloth off [m]; empty where none is thick.
+  std::span<const double> half_thickness() const { return half_thickness_; }
   /// (n_contact_vertices) see max_corrections_of(); infinite for colliders.
   std::span<const double> max_corrections() const { return max_corrections_; }
   /// (n_contact_vertices) sum of the corrections by which contacts sent vertices out of bodies in this step [m]. The
@@ -100,6 +102,7 @@ class TimeStep {
   std::vector<Handle> handles_;
   std::vector<std::vector<Vec3>> handle_positions_;  ///< of the vertices of each at time 0
   std::vector<Index> body_of_;                       ///< (n_vertices)
+  std::vector<double> half_thickness_;               ///< (n_vertices) of cloth [m]; empty where none is thick
   std::vector<PreparedCollider> colliders_;
   ColliderSurface collider_surface_;             ///< of the colliders; none where the mode is kOff
   std::optional<ContactFinder> contact_finder_;  ///< none where the mode is kOff

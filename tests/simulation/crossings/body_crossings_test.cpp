@@ -1,8 +1,8 @@
 #include "simulation/crossings/body_crossings.h"
 
-#include "bodies.h"
 #include "random.h"
 #include "selvage/geometry/triangle_triangle.h"
+#include "simulation/bodies.h"
 #include "test_scale.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 #include "simulation/crossings/collider_crossings.h"
 
-#include "bodies.h"
 #include "random.h"
+#include "simulation/bodies.h"
 #include "test_scale.h"
 
 #include <gtest/gtest.h>
