@@ -52,10 +52,10 @@ double count_box(const Measures& m, double cell) {
 }
 /// Eight cells across; fewer, down to one, where that made a thin plate of millions.
 double box_cell(const Measures& m) {
-  constexpr double kMostElements = 50'000, kInCell = 6;
+  constexpr double kMaxElements = 50'000, kInCell = 6;
   const double thin = m.size.minCoeff();
-  const double cell = std::cbrt(kInCell * m.size.prod() / kMostElements);
-  return std::max(thin / 8, cell < thin ? cell : std::sqrt(kInCell * m.size.prod() / thin / kMostElements));
+  const double cell = std::cbrt(kInCell * m.size.prod() / kMaxElements);
+  return std::max(thin / 8, cell < thin ? cell : std::sqrt(kInCell * m.size.prod() / thin / kMaxElements));
 }
 IndexedMesh make_box_of(const Measures& m, double cell) {
   return make_box(m.size, cell);

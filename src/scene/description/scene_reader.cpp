@@ -110,7 +110,7 @@ void refuse_cloth_by_vbd(const SceneDescription& scene) {
 /// densities differ more than in kSameSteps, steps are shorter by the root. Cloth is stiff for its weight: it takes
 /// kClothSubsteps.
 int substeps_of(const SceneDescription& scene) {
-  constexpr double kSubsteps = 5, kSameSteps = 5, kMostSubsteps = 50, kClothSubsteps = 10;
+  constexpr double kSubsteps = 5, kSameSteps = 5, kMaxSubsteps = 50, kClothSubsteps = 10;
   if (scene.solver != SolverKind::kXpbd) return kSubsteps;
   double least = std::numeric_limits<double>::infinity(), most = 0, substeps = kSubsteps;
   for (const BodyDescription& body : scene.bodies) {
@@ -122,7 +122,7 @@ int substeps_of(const SceneDescription& scene) {
     most = std::max(most, body.material.solid.density);
   }
   const double finer = std::sqrt(std::max(most / least / kSameSteps, 1.0));
-  return static_cast<int>(std::min(std::ceil(substeps * finer), kMostSubsteps));
+  return static_cast<int>(std::min(std::ceil(substeps * finer), kMaxSubsteps));
 }
 
 void read_solver(JsonObject& object, SceneDescription& scene) {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kRounds = 3;
 /// Dihedral angles that a move may lead to [degrees].
-constexpr double kLeastAngle = 25, kMostAngle = 135;
+constexpr double kMinAngle = 25, kMaxAngle = 135;
 /// Of the lattice's cell: a vertex stays where the parts of its block are all that reach it.
 constexpr double kFarthest = 0.4;
 /// Of the cell: a shorter move is not worth its cost.
@@ -96,7 +96,7 @@ class Smoothing {
   /// The worst dihedral angle of a vertex's elements: 1 at the bounds of a move, more beyond; infinite where one is
   /// inverted.
   double badness(Index v) const {
-    static const double sharpest = cosine(kLeastAngle), bluntest = cosine(kMostAngle);
+    static const double sharpest = cosine(kMinAngle), bluntest = cosine(kMaxAngle);
     double worst = 0;
     for (const Index element : mesh_.vertex_elements(v)) {
       std::array<Vec3, 4> p, normals;

@@ -43,7 +43,8 @@ struct ColliderContacts {
 /// @param states           (n_vertices x n_colliders); updated
 ColliderContacts project_colliders(std::span<const PreparedCollider> colliders, const Step& step,
                                    std::span<const double> max_corrections, std::span<const double> half_thickness,
-                                   std::span<const Vec3> ejected, std::span<ColliderContactState> states, std::span<StepVertex> vertices);
+                                   std::span<const Vec3> ejected, std::span<ColliderContactState> states,
+                                   std::span<StepVertex> vertices);
 
 /// A vertex that enters or passes a collider in the step.
 struct ColliderEntry {

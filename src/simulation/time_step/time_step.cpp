@@ -45,7 +45,11 @@ std::vector<VertexTuple<3>> triangles_after(Index vertex_count, std::vector<Vert
 
 TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle> handles,
                    std::span<const Collider> colliders, const StepOptions& options)
-    : model_(model), options_(options), handles_(std::move(handles)), body_of_(bodies_of_vertices(model)), half_thickness_(half_thickness_of(model)) {
+    : model_(model),
+      options_(options),
+      handles_(std::move(handles)),
+      body_of_(bodies_of_vertices(model)),
+      half_thickness_(half_thickness_of(model)) {
   check_options(options);
   check_state(model, initial);
   check_handles(model, handles_);

@@ -14,7 +14,7 @@ constexpr std::int64_t kAtOnce = 256;
 /// See MaterialSolver.
 constexpr double kLongestDamping = 3;
 /// Squared strain below which a triangle counts as at rest: rounding.
-constexpr double kLeastSquaredStrain = 1e-30;
+constexpr double kMinSquaredStrain = 1e-30;
 
 /// Vertices of a constraint, its change by each, and what is known of it.
 template <int N>
@@ -173,7 +173,7 @@ void ClothSolver::solve_triangle(Triangle& triangle, std::span<StepVertex> verti
   if (sheet.kind == ClothKind::kIsotropic) {
     DeformationGradient<2> f = rest.deformation(constraint.x);
     const double area = area_of(f, by_f);
-    const double squared = std::max(f.squaredNorm() - 2 * area, kLeastSquaredStrain);
+    const double squared = std::max(f.squaredNorm() - 2 * area, kMinSquaredStrain);
     by_f = f - by_f;
     solve(0, squared, std::sqrt(squared));
     f = rest.deformation(constraint.x);

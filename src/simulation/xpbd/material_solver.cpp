@@ -10,7 +10,7 @@ namespace {
 constexpr double kMinHydrostatic = 1e-12;
 /// Longest damping in time steps. It stiffens the system that the few iterations of a step solve: with more they leave
 /// most of the elastic force out, and a material sinks under its load.
-constexpr double kMostDamping = 3;
+constexpr double kMaxDamping = 3;
 
 MaterialStep prepare(const Material& material, double time_step) {
   const double squared_step = time_step * time_step;
@@ -18,7 +18,7 @@ MaterialStep prepare(const Material& material, double time_step) {
                     .deviatoric = 0,
                     .hydrostatic = 0,
                     .edge = material.edge_compliance / squared_step,
-                    .damping = std::min(material.damping / time_step, kMostDamping)};
+                    .damping = std::min(material.damping / time_step, kMaxDamping)};
   if (material.kind == MaterialKind::kNeoHookean) {
     const auto [mu, lambda] = lame_parameters(material.youngs_modulus, material.poisson_ratio);
     step.deviatoric = 6 / (mu * squared_step);
