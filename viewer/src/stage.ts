@@ -48,7 +48,7 @@ export class Stage {
   private bvh: MeshBVH | null = null;
   private bvhIsOld = true;
   private dirty = true;
-  private software: boolean;
+  readonly software: boolean;
   private solid: boolean;
   private moving = 0; // reasons for which the picture changes all the time: playing, turning
   private box: THREE.Box3;
@@ -63,7 +63,10 @@ export class Stage {
   ) {
     this.software = drawsBySoftware();
     this.solid = head.kind === "run";
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.software, stencil: true });
+    // Opaque: what lies beneath the picture need not be drawn, nor blended with it.
+    const context = canvas.getContext("webgl2", { alpha: false, antialias: !this.software, stencil: true });
+    if (!context) throw new Error("There is no WebGL.");
+    this.renderer = new THREE.WebGLRenderer({ canvas, context });
     this.renderer.localClippingEnabled = true;
     const lower = new THREE.Vector3(...head.box.lower);
     this.box = new THREE.Box3(lower, new THREE.Vector3(...head.box.step).multiplyScalar(65535).add(lower));
@@ -85,7 +88,9 @@ export class Stage {
     const settings = { vertexColors: true, side: THREE.DoubleSide };
     this.bodies = new THREE.Mesh(this.geometry, new THREE.MeshLambertMaterial(settings));
     this.bodies.renderOrder = 1000;
-    const bakedGeometry = this.share(new THREE.BufferGeometry()).setIndex(index).setAttribute("color", this.lit);
+    // Without normals, which would be sent to be drawn although nobody asks for them.
+    const bakedGeometry = new THREE.BufferGeometry().setIndex(index);
+    bakedGeometry.setAttribute("position", this.positions).setAttribute("color", this.lit);
     this.baked = new THREE.Mesh(bakedGeometry, new THREE.MeshBasicMaterial({ vertexColors: true }));
     const ink = new THREE.LineBasicMaterial({ color: 0x101418, transparent: true, opacity: 0.28 });
     this.edges = new THREE.LineSegments(new THREE.BufferGeometry(), ink);
