@@ -36,35 +36,40 @@ struct MovingCollider {
     return is_fixed ? Vec3(position(vertex)) : end.invert(position(vertex));
   }
 
-  /// @param surface  what starts the step no deeper inside lies on the surface [m]; infinite: all does
+  /// @param max_correction  what starts the step deeper inside comes out by so much [m]
   template <typename Shape>
-  ColliderContacts push_out(const Shape& shape, const Step& step, std::int64_t v, double surface, const Vec3& ejected,
-                            ColliderContactState& state, StepVertex& vertex) const {
+  ColliderContacts push_out(const Shape& shape, const Step& step, std::int64_t v, double max_correction,
+                            const Vec3& ejected, ColliderContactState& state, StepVertex& vertex) const {
     const Vec3 p = to_local(vertex);
     const Vec3 was = start.invert(step.positions[v]);
     const std::optional<Hit> hit = find_hit_on_way(shape, was, p);
     if (!hit) return {};
-    ColliderContacts contacts{.count = 1};
+    ColliderContacts contacts;
     if (state.step != step.number) {
       state = {};
       state.step = step.number;
-      const std::optional<Hit> at_start = std::isfinite(surface) ? find_hit(shape, was) : std::optional<Hit>();
-      if (at_start && at_start->depth > surface) {
+      const std::optional<Hit> at_start = find_hit(shape, was);
+      if (at_start && at_start->depth > kContactGap * max_correction) {
         state.way_out = end.rotation * at_start->normal;
         state.start_depth = at_start->depth;
+        state.depth_left = std::max(0.0, at_start->depth - max_correction);
         contacts.started_inside = 1;
       }
     }
-    const Vec3 outside = p + hit->depth * hit->normal;
+    const double push = hit->depth - state.depth_left;
+    if (!(push > 0)) return contacts;
+    contacts.count = 1;
+    const Vec3 outside = p + push * hit->normal;
     const Vec3 moved = outside - was - end.rotation.transpose() * ejected;
     const Vec3 drift = end.invert(step.positions[v] + step.length() * step.velocities[v]) - was;
-    const Vec3 slide = friction_correction(moved, drift, hit->normal, hit->depth, collider.friction, state.friction);
+    const Vec3 slide = friction_correction(moved, drift, hit->normal, push, collider.friction, state.friction);
     position(vertex) = end(outside + slide);
     return contacts;
   }
 
   /// Moves a vertex that friction has left inside, or beyond, to the surface once more.
-  void set_on_surface(const Step& step, std::int64_t v, double half_thickness, StepVertex& vertex) const {
+  void set_on_surface(const Step& step, std::int64_t v, double half_thickness, double depth_left,
+                      StepVertex& vertex) const {
     const Vec3 p = to_local(vertex);
     const Vec3 was = start.invert(step.positions[v]);
     const std::optional<Hit> hit = std::visit(
@@ -73,7 +78,7 @@ struct MovingCollider {
                                     : find_hit_on_way(shape, was, p);
         },
         collider.shape);
-    if (hit) position(vertex) = end(p + hit->depth * hit->normal);
+    if (hit && hit->depth > depth_left) position(vertex) = end(p + (hit->depth - depth_left) * hit->normal);
   }
 
   /// Whether a vertex is inside at the end of the step, or has passed, by more than a depth and more than it was.
@@ -156,8 +161,11 @@ class Projection {
     // Friction that stops a vertex from sliding along one wall also stops it from leaving another, and from leaving the
     // same one where that is hollow.
     for (const std::int64_t v : pushed)
-      for (const MovingCollider& collider : colliders_)
-        collider.set_on_surface(step_, v, half_thickness_of(v), vertices_[v]);
+      for (std::size_t c = 0; c < colliders_.size(); ++c) {
+        const ColliderContactState& state = states_[v * colliders_.size() + c];
+        const double depth_left = state.step == step_.number ? state.depth_left : 0;
+        colliders_[c].set_on_surface(step_, v, half_thickness_of(v), depth_left, vertices_[v]);
+      }
   }
 
   double half_thickness_of(std::int64_t v) const { return half_thickness_.empty() ? 0 : half_thickness_[v]; }
@@ -167,10 +175,9 @@ class Projection {
                     std::vector<std::int64_t>& pushed, ColliderContacts& hits) {
     for (std::int64_t v = first; v < last; ++v) {
       if (!(vertices_[v].inverse_mass > 0)) continue;
-      const double surface = max_corrections_.empty() ? HUGE_VAL : kContactGap * max_corrections_[v];
       const auto push_out = [&](const auto& own) {
-        return colliders_[c].push_out(own, step_, v, surface, ejected_[v], states_[v * colliders_.size() + c],
-                                      vertices_[v]);
+        return colliders_[c].push_out(own, step_, v, max_corrections_[v], ejected_[v],
+                                      states_[v * colliders_.size() + c], vertices_[v]);
       };
       const double half = half_thickness_of(v);
       const ColliderContacts hit =
@@ -181,7 +188,8 @@ class Projection {
   }
 
   const Step& step_;
-  std::span<const double> max_corrections_, half_thickness_;
+  std::span<const double> max_corrections_;
+  std::span<const double> half_thickness_;
   double largest_half_ = 0;  ///< [m]
   std::span<const Vec3> ejected_;
   std::span<ColliderContactState> states_;

@@ -15,10 +15,15 @@ struct ColliderContactState {
   FrictionState friction;
   Vec3 way_out = Vec3::Zero();  ///< unit normal where the vertex started the step inside
   double start_depth = 0;       ///< at the start of the step [m]; 0 where that is not to be undone
+  double depth_left = 0;        ///< that may be left at the end of the step [m]
   std::int64_t step = -1;       ///< Step::number
 
   /// The part of the push that only undoes the depth at the start of the step.
-  Vec3 depenetration() const { return std::min(start_depth, friction.normal_sum) * way_out; }
+  ///
+  /// @param moved  by how much the vertex has moved in the step: where it was held back, there is less to undo [m]
+  Vec3 depenetration(const Vec3& moved) const {
+    return std::clamp(moved.dot(way_out), 0.0, std::min(start_depth - depth_left, friction.normal_sum)) * way_out;
+  }
 };
 
 /// Counts over vertices and colliders.
@@ -35,8 +40,9 @@ struct ColliderContacts {
 /// Moves vertices out of colliders, which move during the step, to the side that they come from: see
 /// find_hit_on_way(). Friction leaves no vertex inside another collider, nor inside a body. Parallel.
 ///
-/// @param max_corrections  (n_vertices) [m] a vertex that starts the step inside by less than kContactGap of them lies
-///                         on the surface; empty: so do all vertices that start inside
+/// @param max_corrections  (n_vertices) [m] what starts the step inside by more than kContactGap of them comes out
+/// without
+///                         speed, by so much a step: in one step the material would be pressed flat onto the surface
 /// @param half_thickness   (n_vertices) by which cloth is held off [m]; empty: all is thin
 /// @param ejected          (n_vertices) by how much contacts sent vertices out of bodies [m]: friction does not count
 ///                         it as sliding

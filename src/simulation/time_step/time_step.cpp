@@ -129,9 +129,6 @@ void TimeStep::begin(const State& state, std::span<const Vec3> external_forces) 
   state_steps_ = state.steps;
   set_step(state);
   ++steps_begun_;
-  // Later a vertex starts inside only where two colliders press it from one into the other.
-  may_start_inside_ = state.steps == 0 || std::any_of(handles_.begin(), handles_.end(),
-                                                      [&](const Handle& handle) { return is_released(handle); });
   if (!collider_surface_.positions.empty()) place_collider_surface(state);
   if (contact_finder_) contact_finder_->begin_step(step_.positions);
   if (gate_) statistics_.unguarded_vertices = contact_finder_->statistics().unguarded_vertices;
@@ -302,9 +299,8 @@ void TimeStep::hold_back() {
 
 void TimeStep::project_colliders() {
   no_impacts_ = false;
-  const auto surface = may_start_inside_ ? std::span<const double>(max_corrections_) : std::span<const double>();
-  collider_contacts_.add(
-      selvage::project_colliders(colliders_, step_, surface, half_thickness_, ejected_, collider_states_, vertices()));
+  collider_contacts_.add(selvage::project_colliders(colliders_, step_, max_corrections_, half_thickness_, ejected_,
+                                                    collider_states_, vertices()));
   statistics_.collider_contacts = collider_contacts_.count;
 }
 
@@ -326,12 +322,12 @@ void TimeStep::check_finite() const {
 
 /// By how far colliders have moved a vertex only because it started the step inside them. It gives no speed: a body
 /// that starts half in the floor would fly off with its depth a step.
-Vec3 TimeStep::depenetration_of(Index v) const {
+Vec3 TimeStep::depenetration_of(Index v, const Vec3& moved) const {
   Vec3 depenetration = Vec3::Zero();
   if (collider_contacts_.started_inside == 0) return depenetration;
   for (std::size_t c = 0; c < colliders_.size(); ++c) {
     const ColliderContactState& contact = collider_states_[v * colliders_.size() + c];
-    if (contact.step == step_.number) depenetration += contact.depenetration();
+    if (contact.step == step_.number) depenetration += contact.depenetration(moved);
   }
   return depenetration;
 }
@@ -341,7 +337,8 @@ void TimeStep::finish(State& state) {
   hold_back();
   parallel_for(vertex_count(), kGrain, [&](std::int64_t i) {
     const auto v = static_cast<Index>(i);
-    Vec3 velocity = (position(v) - state.positions[v] - depenetration_of(v)) / options_.time_step;
+    const Vec3 moved = position(v) - state.positions[v];
+    Vec3 velocity = (moved - depenetration_of(v, moved)) / options_.time_step;
     const double speed = velocity.norm();
     if (speed > options_.max_speed) velocity *= options_.max_speed / speed;
     state.velocities[v] = velocity;

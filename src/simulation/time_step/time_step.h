@@ -90,7 +90,7 @@ class TimeStep {
   void place_collider_surface(const State& state);
   bool is_held(const Handle& handle) const;
   bool is_released(const Handle& handle) const;
-  Vec3 depenetration_of(Index v) const;
+  Vec3 depenetration_of(Index v, const Vec3& moved) const;
   void check_finite() const;
   Carriers carriers() const;
   void hold_back();
@@ -123,7 +123,6 @@ class TimeStep {
   std::vector<Vec3> ejected_;
   std::vector<ColliderContactState> collider_states_;  ///< (n_vertices x n_colliders)
   ColliderContacts collider_contacts_;                 ///< of the step
-  bool may_start_inside_ = false;  ///< vertices may start the step inside of colliders which did not push them before
   StepStatistics statistics_;
 };
 

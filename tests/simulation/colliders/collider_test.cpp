@@ -180,15 +180,16 @@ TEST(Colliders, GiveNoSpeedToBodiesThatStartInside) {
   XpbdOptions options = without_contact();
   options.gravity.setZero();
   options.iterations = 1;
-  const double ejection_speed = 0.06 / options.time_step;
+  const double quarter = 0.05 / 4, ejection_speed = quarter / options.time_step;
   XpbdSolver solver(model, state, {}, {{PlaneShape{}}}, options);
   solver.step(state);
-  for (const Vec3& p : state.positions) EXPECT_GE(p[2], 0);
+  for (const Vec3& p : state.positions) EXPECT_GE(p[2], -0.06 + quarter - 1e-12);
   for (const Vec3& v : state.velocities) EXPECT_LT(v.norm(), 1e-9 * ejection_speed);
   for (int i = 0; i < 100; ++i) {
     solver.step(state);
-    for (const Vec3& v : state.velocities) ASSERT_LT(v.norm(), 0.5 * ejection_speed);
+    for (const Vec3& v : state.velocities) ASSERT_LT(v.norm(), 1.5 * ejection_speed);
   }
+  for (const Vec3& p : state.positions) EXPECT_GE(p[2], 0);
 }
 
 TEST(Colliders, PushBodiesThatTheyRunInto) {
