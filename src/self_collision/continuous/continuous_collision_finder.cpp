@@ -120,7 +120,7 @@ struct ContinuousCollisionFinder::Impl {
       steps_without_list = is_near_used ? 0 : 1 << unused_lists;
     }
     near.clear();
-    if (!trusts_stars) return false;
+    if (!trusts_stars || options.asked_once) return false;
     if (steps_without_list == 0) return true;
     --steps_without_list;
     return false;
