@@ -33,8 +33,6 @@ struct ContinuousCollisionFinder::Impl {
   static constexpr std::int64_t kMaxMeasuredShare = 4;
   /// Where they do not pay, ever fewer steps try again, at last every 2^kMaxFailures-th.
   static constexpr int kMaxFailures = 6;
-  /// Where more than one vertex in so many strays, all pairs are found again.
-  static constexpr std::int64_t kMaxStrayedShare = 4;
 
   const TriangleMesh& mesh;
   SelfCollisionOptions options;
@@ -117,7 +115,7 @@ struct ContinuousCollisionFinder::Impl {
   bool begin_list() {
     if (near.is_set()) {
       unused_lists = is_near_used ? 0 : std::min(unused_lists + 1, kMaxFailures);
-      steps_without_list = is_near_used ? 0 : 1 << unused_lists;
+      steps_without_list = is_near_used ? 0 : 16 << unused_lists;
     }
     near.clear();
     if (!trusts_stars || options.asked_once) return false;
@@ -137,8 +135,7 @@ struct ContinuousCollisionFinder::Impl {
     if (!near.is_set() || std::ssize(positions_t0) != mesh.vertex_count() ||
         std::ssize(positions_t1) != mesh.vertex_count())
       return false;
-    near.find_strayed(positions_t0, positions_t1);
-    if (kMaxStrayedShare * near.strayed_count() > mesh.vertex_count()) return false;
+    if (!near.find_strayed(positions_t0, positions_t1)) return false;
     if (near.strayed_count() > 0) {
       if (!near.take_strayed(positions_t0, positions_t1)) return false;
       bvh.refit(near.motion().boxes());

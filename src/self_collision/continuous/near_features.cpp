@@ -12,6 +12,9 @@ namespace {
 /// Of the mean length of an edge. More lasts for more steps, but leaves more pairs to be tested in each.
 constexpr double kMarginPart = 0.03;
 constexpr Index kSampledEdges = 256;
+/// Where more than half of these stray, or more than one vertex in so many, all pairs are found again.
+constexpr Index kSampledVertices = 64;
+constexpr std::int64_t kMaxStrayedShare = 4;
 
 /// NaN is not near anything.
 bool is_near(const Vec3& a, const Vec3& b, double margin) {
@@ -45,20 +48,26 @@ void NearFeatures::set_motion(double margin, const SweptSurface& motion) {
   is_listed_.assign(mesh_.vertex_count(), 0);
 }
 
-void NearFeatures::find_strayed(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
-  const std::span<const Vec3> known_t0 = motion_.positions_t0(), known_t1 = motion_.positions_t1();
+bool NearFeatures::strays(Index vertex, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) const {
+  return !is_near(positions_t0[vertex], motion_.positions_t0()[vertex], margin_) ||
+         !is_near(positions_t1[vertex], motion_.positions_t1()[vertex], margin_);
+}
+
+bool NearFeatures::find_strayed(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
+  const Index count = mesh_.vertex_count(), asked = std::min(count, kSampledVertices);
+  Index sampled = 0;
+  for (Index i = 0; i < asked; ++i)
+    sampled += strays(static_cast<Index>(static_cast<std::int64_t>(i) * count / asked), positions_t0, positions_t1);
+  if (2 * sampled > asked) return false;
   struct Strayed {
     std::vector<Index> vertices;
     void add(const Strayed& other) { vertices.insert(vertices.end(), other.vertices.begin(), other.vertices.end()); }
   };
-  strayed_ = parallel_reduce<Strayed>(std::ssize(known_t0), kGrain,
-                                      [&](std::int64_t first, std::int64_t last, Strayed& strayed) {
-                                        for (std::int64_t v = first; v < last; ++v)
-                                          if (!is_near(positions_t0[v], known_t0[v], margin_) ||
-                                              !is_near(positions_t1[v], known_t1[v], margin_))
-                                            strayed.vertices.push_back(static_cast<Index>(v));
-                                      })
-                 .vertices;
+  strayed_ = parallel_reduce<Strayed>(count, kGrain, [&](std::int64_t first, std::int64_t last, Strayed& strayed) {
+               for (auto v = static_cast<Index>(first); v < last; ++v)
+                 if (strays(v, positions_t0, positions_t1)) strayed.vertices.push_back(v);
+             }).vertices;
+  return kMaxStrayedShare * std::ssize(strayed_) <= count;
 }
 
 bool NearFeatures::take_strayed(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {

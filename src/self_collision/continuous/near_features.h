@@ -24,8 +24,8 @@ class NearFeatures {
   bool is_set() const { return is_set_; }
   double margin() const { return margin_; }
 
-  /// Finds the vertices that stray in a step. O(n), parallel.
-  void find_strayed(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1);
+  /// Finds the vertices that stray in a step. O(n), parallel. False: they are too many to be of use, about a quarter.
+  bool find_strayed(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1);
   std::int64_t strayed_count() const { return std::ssize(strayed_); }
 
   /// Lets those that stray in this step move as they do in it. False, and of no use any more: one of them leaves the
@@ -50,6 +50,8 @@ class NearFeatures {
   std::span<const Index> vertices() const { return vertices_; }
 
  private:
+  bool strays(Index vertex, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) const;
+
   const TriangleMesh& mesh_;
   bool is_set_ = false;
   double margin_ = 0;

@@ -15,13 +15,14 @@ Float4 margin_of(Float4 x) {
   return magnitude * Float4::broadcast(0x1p-23f) + Float4::broadcast(0x1p-126f);
 }
 
-Box swept_box(const MovingVertex& a, const MovingVertex& b, const MovingVertex& c) {
+/// A box around three vertices, larger by so much on all sides.
+Box swept_box(const MovingVertex& a, const MovingVertex& b, const MovingVertex& c, float by) {
   const Float8 rows[] = {Float8::load(a.coordinates), Float8::load(b.coordinates), Float8::load(c.coordinates)};
   const Float8 lowest = min(min(rows[0], rows[1]), rows[2]), highest = max(max(rows[0], rows[1]), rows[2]);
   const Float4 lower = min(lowest.low(), lowest.high()), upper = max(highest.low(), highest.high());
   float low[4], high[4];
-  (lower - margin_of(lower)).store(low);
-  (upper + margin_of(upper)).store(high);
+  (lower - margin_of(lower) - Float4::broadcast(by)).store(low);
+  (upper + margin_of(upper) + Float4::broadcast(by)).store(high);
   return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
 }
 
@@ -30,6 +31,11 @@ MovingVertex rounded_in(const BoxUnits& units, const Vec3& position_t0, const Ve
   const auto rounded = [](double x) { return static_cast<float>(x); };
   return {{rounded(start[0]), rounded(start[1]), rounded(start[2]), 0, rounded(end[0]), rounded(end[1]),
            rounded(end[2]), 0}};
+}
+
+/// By how much boxes are larger for a margin: its sums with coordinates, which are below 2, are rounded, too.
+float widening_of(float margin) {
+  return margin > 0 ? margin + 0x1p-21f : 0;
 }
 
 void widen(Box& box, double by) {
@@ -62,8 +68,7 @@ void SweptSurface::place(const TriangleMesh& mesh, std::span<const Vec3> positio
   boxes_.resize(mesh.triangle_count());
   parallel_for(mesh.triangle_count(), kGrain, [&](std::int64_t t) {
     const auto& [a, b, c] = mesh.triangles()[t];
-    boxes_[t] = swept_box(rounded_[a], rounded_[b], rounded_[c]);
-    if (margin_ > 0) widen(boxes_[t], margin_);
+    boxes_[t] = swept_box(rounded_[a], rounded_[b], rounded_[c], widening_of(margin_));
     if (!thickness.empty()) widen(boxes_[t], std::max({thickness_[a], thickness_[b], thickness_[c]}));
   });
 }
@@ -93,8 +98,7 @@ bool SweptSurface::replace(const TriangleMesh& mesh, std::span<const Vec3> posit
   }
   for (const Index t : triangles) {
     const auto& [a, b, c] = mesh.triangles()[t];
-    boxes_[t] = swept_box(rounded_[a], rounded_[b], rounded_[c]);
-    widen(boxes_[t], margin_);
+    boxes_[t] = swept_box(rounded_[a], rounded_[b], rounded_[c], widening_of(margin_));
   }
   return true;
 }
