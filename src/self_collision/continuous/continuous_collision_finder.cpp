@@ -33,6 +33,8 @@ struct ContinuousCollisionFinder::Impl {
   static constexpr std::int64_t kMaxMeasuredShare = 4;
   /// Where they do not pay, ever fewer steps try again, at last every 2^kMaxFailures-th.
   static constexpr int kMaxFailures = 6;
+  /// A list of near features has to serve so many more searches to pay.
+  static constexpr int kMinUses = 4;
 
   const TriangleMesh& mesh;
   SelfCollisionOptions options;
@@ -48,7 +50,7 @@ struct ContinuousCollisionFinder::Impl {
   bool trusts_stars = false;            ///< most stars keep their shape
   int failures = 0, steps_without_stars = 0;
   NearFeatures near;
-  bool is_near_used = true;  ///< since they were listed
+  int near_uses = kMinUses;  ///< since they were listed
   int unused_lists = 0, steps_without_list = 0;
   std::vector<LeafVertices> leaves;  ///< where stars have been trusted once
   std::vector<NeighbourPair> neighbours;
@@ -114,8 +116,8 @@ struct ContinuousCollisionFinder::Impl {
   /// surface may be left out at once; and where lists are used. Where they are not, ever fewer steps try again.
   bool begin_list() {
     if (near.is_set()) {
-      unused_lists = is_near_used ? 0 : std::min(unused_lists + 1, kMaxFailures);
-      steps_without_list = is_near_used ? 0 : 16 << unused_lists;
+      unused_lists = near_uses >= kMinUses ? 0 : std::min(unused_lists + 1, kMaxFailures);
+      steps_without_list = near_uses >= kMinUses ? 0 : 16 << unused_lists;
     }
     near.clear();
     if (!trusts_stars || options.asked_once) return false;
@@ -127,7 +129,7 @@ struct ContinuousCollisionFinder::Impl {
   void list_near(double margin) {
     near.set_motion(margin, pose);
     near.set_pairs(search_beside_stars(near_input({}), nullptr, {}));
-    is_near_used = false;
+    near_uses = 0;
   }
 
   /// Finds again what comes near vertices that have strayed. False: that is not known, or they are too many.
@@ -143,7 +145,7 @@ struct ContinuousCollisionFinder::Impl {
       stars->place(near.motion().positions_t0(), near.motion().positions_t1(), near.margin(), near.strayed_vertices());
       near.set_pairs(search_beside_stars(near_input(near.strayed_vertices()), nullptr, {}));
     }
-    is_near_used = true;
+    near_uses = std::min(near_uses + 1, kMinUses);
     pose.move(positions_t0, positions_t1, near.vertices());
     return true;
   }
