@@ -3,6 +3,7 @@
 #include "contact/closest_rules.h"
 #include "contact/common_ways_out.h"
 #include "contact/impacts/impact_search.h"
+#include "contact/impacts/met_faces.h"
 #include "contact/impacts/near_contacts.h"
 #include "contact/input/collider_triangles.h"
 #include "contact/input/inverted_vertices.h"
@@ -46,6 +47,7 @@ struct ContactFinder::Impl {
   std::vector<Vec3> positions_t0;
   std::optional<PenetrationSearch> search;
   ImpactSearch impacts;
+  MetFaces met_faces;              ///< by the last search of impacts
   std::optional<NearSearch> near;  ///< of thick cloth
   std::optional<RestPoseRule> rest_pose;
   std::optional<EuclideanRule> euclidean;
@@ -106,6 +108,7 @@ ContactFinder::Impl::Impl(const TetMesh& m, std::span<const Vec3> rest_positions
       surface(surface_with_colliders(m, colliders, positions.size(), cloth.triangles)),
       body_faces(m.boundary_face_count() + static_cast<Index>(cloth.triangles.size())),
       impacts(surface, body_faces),
+      met_faces(surface, body_faces),
       tangled(surface, body_faces, o.guarantee) {
   check_positions<3>(positions, vertex_count());
   if (!vertex_objects.empty() && std::ssize(vertex_objects) != mesh.vertex_count())
@@ -149,7 +152,8 @@ void ContactFinder::Impl::split_features() {
     inside.clear();
     inside_vertices.clear();
     inside_edges.clear();
-    for (const Penetration& p : search->find_all(statistics.penetrations)) {
+    const auto candidates = met_faces.take_candidates(positions_t0, search->crossings());
+    for (const Penetration& p : search->find_all(statistics.penetrations, candidates)) {
       if (is_inside[p.feature]) continue;
       is_inside[p.feature] = 1;
       inside.push_back(p.feature);
@@ -278,6 +282,7 @@ void ContactFinder::Impl::append_ways_out(std::span<const Vec3> positions, std::
 /// All that meet on the way.
 ContinuousPairs ContactFinder::Impl::find_pairs(std::span<const Vec3> positions) {
   ContinuousPairs pairs = impacts.find_pairs(positions_t0, positions, statistics.continuous);
+  if (splits()) met_faces.note(positions, pairs);
   if (!options.detect_edges) pairs.edge_edge.clear();
   return pairs;
 }

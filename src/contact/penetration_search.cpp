@@ -97,10 +97,25 @@ void PenetrationSearch::suspect_around(Index vertex) {
   for (const Index face : surface_.vertex_triangles(vertex)) suspect(face);
 }
 
-void PenetrationSearch::suspect_crossings(PenetrationCounters& counters) {
-  if (!collisions_placed_) collisions_.update(positions_);
-  collisions_placed_ = true;
-  crossings_ = collisions_.find_pairs();
+std::vector<TrianglePair> PenetrationSearch::meeting_pairs(std::span<const IndexPair> candidates) const {
+  std::vector<TrianglePair> meeting;
+  for (const auto& [first, second] : candidates) {
+    const TriangleContact contact = classify_contact(corners_of(surface_.triangles()[first], positions_),
+                                                     corners_of(surface_.triangles()[second], positions_));
+    if (contact != TriangleContact::kDisjoint) meeting.push_back({first, second, contact});
+  }
+  return meeting;
+}
+
+void PenetrationSearch::suspect_crossings(PenetrationCounters& counters,
+                                          const std::optional<std::vector<IndexPair>>& candidates) {
+  if (candidates) {
+    crossings_ = meeting_pairs(*candidates);
+  } else {
+    if (!collisions_placed_) collisions_.update(positions_);
+    collisions_placed_ = true;
+    crossings_ = collisions_.find_pairs();
+  }
   for (const TrianglePair& pair : crossings_) {
     suspect(pair.first);
     suspect(pair.second);
@@ -133,11 +148,12 @@ std::vector<Index> PenetrationSearch::find_overlapping_stars(std::vector<Index> 
   return overlapping;
 }
 
-std::vector<Penetration> PenetrationSearch::find_all(PenetrationCounters& counters) {
+std::vector<Penetration> PenetrationSearch::find_all(PenetrationCounters& counters,
+                                                     const std::optional<std::vector<IndexPair>>& candidates) {
   for (const Index face : suspects_) is_suspect_[face] = 0;
   suspects_.clear();
   for (const Index face : pieces_) suspect(face);
-  suspect_crossings(counters);
+  suspect_crossings(counters, candidates);
   suspect_defects();
 
   Flags is_asked(surface_.vertex_count(), 0), is_edge_asked(with_edges_ ? surface_.edge_count() : 0, 0);

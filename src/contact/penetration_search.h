@@ -4,6 +4,8 @@
 #include "selvage/contact/contact_finder.h"
 #include "selvage/self_collision/self_collision.h"
 
+#include <optional>
+
 namespace selvage {
 
 /// A boundary vertex or edge and an element that holds a part of it.
@@ -58,7 +60,11 @@ class PenetrationSearch {
 
   /// Every vertex with each element that holds it; every edge with the middle of its part inside, and an element that
   /// holds that middle; ascending. Elements on the boundary that are inverted hold nothing (SPB section 3.5).
-  std::vector<Penetration> find_all(PenetrationCounters& counters);
+  ///
+  /// @param candidates  pairs of faces without a common vertex, ascending, no pairs of colliders: no others meet. Else
+  ///                    they are searched for
+  std::vector<Penetration> find_all(PenetrationCounters& counters,
+                                    const std::optional<std::vector<IndexPair>>& candidates = std::nullopt);
 
   /// The same for features in ascending order.
   std::vector<Penetration> find(std::span<const Index> features, PenetrationCounters& counters) const;
@@ -78,7 +84,8 @@ class PenetrationSearch {
   using Extent = std::array<Vec3, 2>;
 
   void list_surface_pieces();
-  void suspect_crossings(PenetrationCounters& counters);
+  void suspect_crossings(PenetrationCounters& counters, const std::optional<std::vector<IndexPair>>& candidates);
+  std::vector<TrianglePair> meeting_pairs(std::span<const IndexPair> candidates) const;
   void suspect_defects();
   std::vector<Index> find_overlapping_stars(std::vector<Index> vertices) const;
   void suspect_around(Index vertex);

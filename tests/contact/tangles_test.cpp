@@ -1,5 +1,6 @@
 #include "contact/tangles.h"
 
+#include "mesh/simplex_corners.h"
 #include "selvage/contact/contact_finder.h"
 #include "selvage/geometry/predicates.h"
 #include "selvage/shapes/poses.h"

@@ -1,121 +1,19 @@
 #include "core/merge_sorted.h"
 #include "self_collision/continuous/continuous_kernel.h"
+#include "self_collision/continuous/finder_input.h"
+#include "self_collision/continuous/impact_times.h"
+#include "self_collision/continuous/near_features.h"
 #include "self_collision/continuous/star_separation.h"
 #include "self_collision/culling/self_culling.h"
-#include "self_collision/surface/moving_points.h"
 #include "self_collision/surface/neighbour_pairs.h"
 #include "self_collision/surface/pair_filter.h"
 #include "self_collision/surface/search_progress.h"
 #include "self_collision/surface/swept_surface.h"
-#include "selvage/core/error.h"
-#include "selvage/geometry/moving_distance.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <atomic>
-#include <limits>
 
 namespace selvage {
-
-namespace {
-
-/// Makes the first triangle of every vertex and every edge its representative.
-UnsetVector<MovingTriangle> assign_representatives(const TriangleMesh& mesh) {
-  UnsetVector<MovingTriangle> triangles(mesh.triangle_count());
-  parallel_for(mesh.triangle_count(), kGrain, [&](std::int64_t t) {
-    MovingTriangle& triangle = triangles[t];
-    triangle = {mesh.triangles()[t], 0};
-    for (int i = 0; i < 3; ++i) {
-      triangle.represented |= (mesh.vertex_triangles(triangle.vertices[i]).front() == t) << i;
-      const HalfFace across = mesh.neighbours()[t][i];
-      const bool is_first =
-          across.exists() ? t < across.element() : mesh.edge_triangles(mesh.triangle_edges()[t][i]).front() == t;
-      triangle.represented |= is_first << (3 + i);
-    }
-  });
-  return triangles;
-}
-
-void check_index(const char* what, Index i, Index count) {
-  if (i < 0 || i >= count)
-    throw Error(fmt::format("{} {}", what, i), "is out of range", fmt::format("give one in [0, {})", count));
-}
-
-void check_pairs(const TriangleMesh& mesh, std::span<const VertexFacePair> pairs) {
-  for (const VertexFacePair& pair : pairs) {
-    check_index("vertex", pair.vertex, mesh.vertex_count());
-    check_index("face", pair.face, mesh.triangle_count());
-  }
-}
-
-void check_pairs(const TriangleMesh& mesh, std::span<const EdgeEdgePair> pairs) {
-  for (const EdgeEdgePair& pair : pairs) {
-    check_index("edge", pair.first, mesh.edge_count());
-    check_index("edge", pair.second, mesh.edge_count());
-  }
-}
-
-std::optional<double> impact_of(const ContinuousInput& input, const VertexFacePair& pair, double before = 1) {
-  return vertex_face_impact(moving_points(input, pair.vertex, pair.face), before);
-}
-
-std::optional<double> impact_of(const ContinuousInput& input, const EdgeEdgePair& pair, double before = 1) {
-  return edge_edge_impact(moving_edges(input, pair.first, pair.second), before);
-}
-
-/// The first time at which the pair meets or is nearer than its thickness.
-std::optional<double> nearness_of(const ContinuousInput& input, const VertexFacePair& pair, double before) {
-  const double thickness = thickness_of(input, pair.vertex, pair.face);
-  const MovingPoints points = moving_points(input, pair.vertex, pair.face);
-  const auto near = thickness > 0 ? vertex_face_nearness(points, thickness, before) : std::nullopt;
-  // A thickness that rounding hides does not hide an impact.
-  const auto impact = vertex_face_impact(points, near.value_or(before));
-  return impact ? impact : near;
-}
-
-std::optional<double> nearness_of(const ContinuousInput& input, const EdgeEdgePair& pair, double before) {
-  const double thickness = thickness_of_edges(input, pair.first, pair.second);
-  const MovingPoints points = moving_edges(input, pair.first, pair.second);
-  const auto near = thickness > 0 ? edge_edge_nearness(points, thickness, before) : std::nullopt;
-  const auto impact = edge_edge_impact(points, near.value_or(before));
-  return impact ? impact : near;
-}
-
-/// Calls `ask(i)` for each of `count` pairs, in parallel.
-template <typename Ask>
-void ask_pairs(std::int64_t count, SearchProgress& progress, Ask&& ask) {
-  constexpr std::int64_t kAtOnce = 64;
-  parallel_ranges(count, kAtOnce, [&](std::int64_t first, std::int64_t last) {
-    for (std::int64_t i = first; i < last; ++i) ask(i);
-    progress.add(last - first);
-  });
-}
-
-template <typename Pair>
-std::vector<double> impact_times(const ContinuousInput& input, std::span<const Pair> pairs, SearchProgress& progress) {
-  std::vector<double> times(pairs.size());
-  ask_pairs(std::ssize(pairs), progress, [&](std::int64_t i) {
-    times[i] = impact_of(input, pairs[i]).value_or(std::numeric_limits<double>::quiet_NaN());
-  });
-  return times;
-}
-
-/// Lowers `earliest` to the first time of any of the pairs; each is searched only up to the earliest so far.
-///
-/// @param time_of  `std::optional<double> time_of(const Pair&, double before)`
-template <typename Pair, typename TimeOf>
-void find_earliest(const std::vector<Pair>& pairs, SearchProgress& progress, std::atomic<double>& earliest,
-                   TimeOf&& time_of) {
-  ask_pairs(std::ssize(pairs), progress, [&](std::int64_t i) {
-    double known = earliest.load(std::memory_order_relaxed);
-    const auto time = time_of(pairs[i], known);
-    while (time && *time < known && !earliest.compare_exchange_weak(known, *time)) {
-    }
-  });
-}
-
-}  // namespace
 
 ContinuousCounters& ContinuousCounters::operator+=(const ContinuousCounters& other) {
   node_pairs += other.node_pairs;
@@ -135,6 +33,8 @@ struct ContinuousCollisionFinder::Impl {
   static constexpr std::int64_t kMaxMeasuredShare = 4;
   /// Where they do not pay, ever fewer steps try again, at last every 2^kMaxFailures-th.
   static constexpr int kMaxFailures = 6;
+  /// A list of near features has to serve so many more searches to pay.
+  static constexpr int kMinUses = 4;
 
   const TriangleMesh& mesh;
   SelfCollisionOptions options;
@@ -149,6 +49,9 @@ struct ContinuousCollisionFinder::Impl {
   bool is_watching = false;             ///< stars know about this step
   bool trusts_stars = false;            ///< most stars keep their shape
   int failures = 0, steps_without_stars = 0;
+  NearFeatures near;
+  int near_uses = kMinUses;  ///< since they were listed
+  int unused_lists = 0, steps_without_list = 0;
   std::vector<LeafVertices> leaves;  ///< where stars have been trusted once
   std::vector<NeighbourPair> neighbours;
 
@@ -157,15 +60,20 @@ struct ContinuousCollisionFinder::Impl {
       : mesh(m),
         options(std::move(o)),
         filter(PairFilter::where_needed(m, options.filters)),
-        triangles(assign_representatives(m)) {
+        triangles(assign_representatives(m)),
+        near(m) {
     check_thickness(mesh, options.thickness);
     rebuild(positions_t0, positions_t1);
   }
 
-  void place(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
+  void place(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1, double margin = 0) {
     PositionExtent<3> both = check_positions<3>(positions_t0, mesh.vertex_count(), "positions_t0");
     both.add(check_positions<3>(positions_t1, mesh.vertex_count(), "positions_t1"));
-    pose.place(mesh, positions_t0, positions_t1, options.thickness, box_units_around(both));
+    if (margin > 0) {
+      both.lower.array() -= margin;
+      both.upper.array() += margin;
+    }
+    pose.place(mesh, positions_t0, positions_t1, options.thickness, box_units_around(both), margin);
   }
 
   void build() {
@@ -190,16 +98,73 @@ struct ContinuousCollisionFinder::Impl {
   }
 
   void update(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
-    place(positions_t0, positions_t1);
+    if (update_near(positions_t0, positions_t1)) return;
+    const double margin = begin_list() ? near.margin_at(positions_t0) : 0;
+    place(positions_t0, positions_t1, margin);
     bvh.refit(pose.boxes());
     if (bvh.quality_loss() > Bvh::kRebuildAbove) build();
-    cull();
-    watch_stars();
+    if (margin > 0) {
+      culled = {};
+    } else {
+      cull();
+    }
+    watch_stars(margin);
+    if (margin > 0 && is_watching) list_near(margin);
+  }
+
+  /// Whether to list what comes near, for later steps like this one. It pays where stars do, for else most of the
+  /// surface may be left out at once; and where lists are used. Where they are not, ever fewer steps try again.
+  bool begin_list() {
+    if (near.is_set()) {
+      unused_lists = near_uses >= kMinUses ? 0 : std::min(unused_lists + 1, kMaxFailures);
+      steps_without_list = near_uses >= kMinUses ? 0 : 16 << unused_lists;
+    }
+    near.clear();
+    if (!trusts_stars || options.asked_once) return false;
+    if (steps_without_list == 0) return true;
+    --steps_without_list;
+    return false;
+  }
+
+  void list_near(double margin) {
+    near.set_motion(margin, pose);
+    near.set_pairs(search_beside_stars(near_input({}), nullptr, {}));
+    near_uses = 0;
+  }
+
+  /// Finds again what comes near vertices that have strayed. False: that is not known, or they are too many.
+  bool update_near(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
+    if (!near.is_set() || std::ssize(positions_t0) != mesh.vertex_count() ||
+        std::ssize(positions_t1) != mesh.vertex_count())
+      return false;
+    if (!near.find_strayed(positions_t0, positions_t1)) return false;
+    if (near.strayed_count() > 0) {
+      if (!near.take_strayed(positions_t0, positions_t1)) return false;
+      bvh.refit(near.motion().boxes());
+      if (bvh.quality_loss() > Bvh::kRebuildAbove) return false;
+      stars->place(near.motion().positions_t0(), near.motion().positions_t1(), near.margin(), near.strayed_vertices());
+      near.set_pairs(search_beside_stars(near_input(near.strayed_vertices()), nullptr, {}));
+    }
+    near_uses = std::min(near_uses + 1, kMinUses);
+    pose.move(positions_t0, positions_t1, near.vertices());
+    return true;
+  }
+
+  ContinuousInput near_input(std::span<const std::uint8_t> strayed) {
+    ContinuousInput searched = input();
+    searched.positions_t0 = near.motion().positions_t0().data();
+    searched.positions_t1 = near.motion().positions_t1().data();
+    searched.rounded = near.motion().rounded().data();
+    searched.margin = near.motion().margin();
+    if (strayed.empty()) return searched;
+    searched.strayed = strayed.data();
+    searched.culled.strayed = near.mark_nodes(bvh.nodes()).data();
+    return searched;
   }
 
   /// Like culling, separated stars need no comparison. They pay where the surface keeps its shape for some steps, and
   /// where culling has not left out most of it.
-  void watch_stars() {
+  void watch_stars(double margin) {
     is_watching = false;
     if (options.method != CullingMethod::kAuto || !is_culling()) return;
     if (2 * culled.counters.culled_triangles > mesh.triangle_count()) return;
@@ -212,7 +177,7 @@ struct ContinuousCollisionFinder::Impl {
     trusts_stars = trusts_stars || stars->are_nearly_rigid(pose.positions_t0(), pose.positions_t1());
     if (trusts_stars) {
       if (neighbours.empty()) list_neighbours_of_leaves();
-      stars->place(pose.positions_t0(), pose.positions_t1());
+      stars->place(pose.positions_t0(), pose.positions_t1(), margin);
       is_watching = true;
       if (!was_trusting) return;
       if (kMaxMeasuredShare * stars->measured_count() <= stars->count()) {
@@ -227,6 +192,7 @@ struct ContinuousCollisionFinder::Impl {
 
   void rebuild(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
     is_watching = false;
+    near.clear();
     place(positions_t0, positions_t1);
     build();
     cull();
@@ -250,7 +216,10 @@ struct ContinuousCollisionFinder::Impl {
 
   ContinuousPairs search(std::atomic<bool>* stop, ContinuousCounters* counters) const {
     if (counters != nullptr) culled.counters.add_to(*counters);
-    return is_watching ? search_beside_stars(stop, counters) : search_all(stop, counters);
+    if (near.is_set()) return search_near(stop, counters);
+    if (!is_watching) return search_all(stop, counters);
+    std::vector<ContinuousResult> results = search_beside_stars(input(), stop, options);
+    return bring_together(results, counters);
   }
 
   ContinuousPairs search_all(std::atomic<bool>* stop, ContinuousCounters* counters) const {
@@ -267,15 +236,45 @@ struct ContinuousCollisionFinder::Impl {
       SELVAGE_DISPATCH(find_continuous_collisions, searched, work.pieces[i], results[i]);
       progress.add(1);
     });
-    return bring_together(results, counters, progress);
+    ContinuousPairs pairs = bring_together(results, counters);
+    progress.add(1);
+    return pairs;
+  }
+
+  /// Only what came near in a step from which this one hardly differs.
+  ContinuousPairs search_near(std::atomic<bool>* stop, ContinuousCounters* counters) const {
+    constexpr std::int64_t kAtOnce = 256;
+    const ContinuousInput searched = input();
+    const std::span<const FeaturePair> pairs[] = {near.vertex_face(), near.edge_edge()};
+    const auto run_count = [&](int kind) { return (std::ssize(pairs[kind]) + kAtOnce - 1) / kAtOnce; };
+    std::vector<ContinuousResult> results(run_count(0) + run_count(1));
+    SearchProgress progress(options, std::ssize(results) + 1);
+    parallel_for(std::ssize(results), 1, [&](std::int64_t i) {
+      const int kind = i < run_count(0) ? 0 : 1;
+      const std::int64_t first = kAtOnce * (i - (kind == 0 ? 0 : run_count(0)));
+      const auto some = pairs[kind].subspan(first, std::min(kAtOnce, std::ssize(pairs[kind]) - first));
+      results[i].stop = stop;
+      if (stop == nullptr || !stop->load(std::memory_order_relaxed))
+        SELVAGE_DISPATCH(test_listed_features, searched, kind == 0 ? some : std::span<const FeaturePair>(),
+                         kind == 0 ? std::span<const FeaturePair>() : some, results[i]);
+      progress.add(1);
+    });
+    ContinuousPairs found = bring_together(results, counters);
+    progress.add(1);
+    return found;
   }
 
   /// Triangles without a common vertex by the hierarchy, others where their stars are open.
-  ContinuousPairs search_beside_stars(std::atomic<bool>* stop, ContinuousCounters* counters) const {
+  /// @param reporting  whose progress is reported
+  std::vector<ContinuousResult> search_beside_stars(const ContinuousInput& searched, std::atomic<bool>* stop,
+                                                    const SelfCollisionOptions& reporting) const {
     constexpr std::int64_t kStarsAtOnce = 64;
-    const ContinuousInput searched = input();
     SelfWork work = split_self_work(bvh, neighbours, searched.culled, piece_count(bvh));
-    std::erase_if(work.found, [&](const IndexPair& pair) { return do_share_vertex(pair); });
+    const auto has_strayed = [&](const IndexPair& pair) {
+      const auto strayed = near.strayed_triangles();
+      return searched.strayed == nullptr || (strayed[pair.first] | strayed[pair.second]) != 0;
+    };
+    std::erase_if(work.found, [&](const IndexPair& pair) { return !has_strayed(pair) || do_share_vertex(pair); });
     const std::span<const Index> open = stars->open();
     const std::int64_t cut = std::ssize(work.pieces);
     const std::int64_t run_count = (std::ssize(open) + kStarsAtOnce - 1) / kStarsAtOnce;
@@ -284,7 +283,7 @@ struct ContinuousCollisionFinder::Impl {
     results.back().counters.self_node_pairs = work.counters.self_node_pairs;
     for (ContinuousResult& result : results) result.stop = stop;
     SELVAGE_DISPATCH(test_listed_pairs, searched, work.found, results.back());
-    SearchProgress progress(options, std::ssize(results));
+    SearchProgress progress(reporting, std::ssize(results));
     parallel_ranges(cut + run_count, 1, [&](std::int64_t first, std::int64_t last) {
       const std::int64_t pieces_end = std::clamp(cut, first, last);
       if (first < pieces_end)
@@ -295,10 +294,12 @@ struct ContinuousCollisionFinder::Impl {
         for (std::int64_t i = kStarsAtOnce * (run - cut);
              i < std::min(kStarsAtOnce * (run - cut + 1), std::ssize(open)); ++i)
           stars->append_pairs(open[i], pairs);
+      std::erase_if(pairs, [&](const IndexPair& pair) { return !has_strayed(pair); });
       if (!pairs.empty()) SELVAGE_DISPATCH(test_listed_pairs, searched, pairs, results[last - 1]);
       progress.add(last - first);
     });
-    return bring_together(results, counters, progress);
+    progress.add(1);
+    return results;
   }
 
   /// The earliest time of all pairs; 1 where none has any.
@@ -319,8 +320,7 @@ struct ContinuousCollisionFinder::Impl {
     return std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
   }
 
-  static ContinuousPairs bring_together(std::span<ContinuousResult> results, ContinuousCounters* counters,
-                                        SearchProgress& progress) {
+  static ContinuousPairs bring_together(std::span<ContinuousResult> results, ContinuousCounters* counters) {
     std::vector<std::vector<VertexFacePair>> vertex_face;
     std::vector<std::vector<EdgeEdgePair>> edge_edge;
     for (ContinuousResult& result : results) {
@@ -332,7 +332,6 @@ struct ContinuousCollisionFinder::Impl {
                                        &VertexFacePair::vertex, &VertexFacePair::face),
                           merge_sorted(std::span<const std::vector<EdgeEdgePair>>(edge_edge), &EdgeEdgePair::first,
                                        &EdgeEdgePair::second)};
-    progress.add(1);
     return pairs;
   }
 };

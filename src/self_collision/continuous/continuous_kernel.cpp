@@ -79,7 +79,7 @@ class TriangleBatch {
   void test_triangles() {
     const unsigned lanes = pairs_.fill();
     const TriangleFeatures features(input_, pairs_);
-    const unsigned apart = MovingSets<3, 3>(input_.rounded, features.vertices, input_.thickness).apart();
+    const unsigned apart = MovingSets<3, 3>(input_.rounded, features.vertices, input_.thickness, input_.margin).apart();
     for (unsigned rest = lanes & ~apart; rest != 0; rest &= rest - 1) {
       const int i = lowest_lane(rest);
       if (near_.add(pairs_.first[i], pairs_.second[i])) test_features();
@@ -90,7 +90,7 @@ class TriangleBatch {
   void test_features() {
     const unsigned lanes = near_.fill();
     const TriangleFeatures features(input_, near_);
-    const MovingSets<3, 3> sets(input_.rounded, features.vertices, input_.thickness);
+    const MovingSets<3, 3> sets(input_.rounded, features.vertices, input_.thickness, input_.margin);
     unsigned same[3][3];  // corners that are one vertex
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) same[i][j] = features.same_corner(i, j);
@@ -221,13 +221,15 @@ class Search {
     const BvhNode &a = input_.nodes[pair.a], &b = input_.nodes[pair.b];
     std::uint64_t nonadjacent = traversal::meeting_children(a, b) & ~listed.neighbours;
     if (pair.a == pair.b) nonadjacent &= traversal::kAboveDiagonal;
+    nonadjacent = input_.culled.strayed_among(pair.a, pair.b, nonadjacent);
     if (nonadjacent == 0) return;
     traversal::hand_on_children(
         a, b, pair, nonadjacent, [&](NodePair next) { search_nonadjacent(next, false); },
         [&](const PrimitivePairs& pairs) { take(pairs); });
   }
 
-  SELVAGE_INLINE void take(const PrimitivePairs& pairs) {
+  SELVAGE_INLINE void take(PrimitivePairs pairs) {
+    pairs.bits = input_.culled.strayed_among(pairs.first, pairs.second, pairs.bits);
     result_.counters.box_pairs += count_bits(pairs.bits);
     traversal::visit_each(input_.nodes, input_.nodes, pairs,
                           [&](Index first, Index second) { triangles_.add(first, second); });
@@ -262,6 +264,16 @@ void find_nonadjacent_collisions(const ContinuousInput& input, std::span<const S
 
 void test_listed_pairs(const ContinuousInput& input, std::span<const IndexPair> pairs, ContinuousResult& result) {
   Search(input, result).run(pairs);
+}
+
+void test_listed_features(const ContinuousInput& input, std::span<const FeaturePair> vertex_face,
+                          std::span<const FeaturePair> edge_edge, ContinuousResult& result) {
+  FeatureBatch<1> vertex_face_batch(input, result);
+  for (const FeaturePair& pair : vertex_face) vertex_face_batch.add(pair);
+  vertex_face_batch.flush();
+  FeatureBatch<2> edge_edge_batch(input, result);
+  for (const FeaturePair& pair : edge_edge) edge_edge_batch.add(pair);
+  edge_edge_batch.flush();
 }
 
 }  // namespace SELVAGE_ISA

@@ -29,6 +29,10 @@ void decide_vertex_face(const ContinuousInput& input, Index vertex, Index face, 
   if (result.stop != nullptr) result.stop->store(true, std::memory_order_relaxed);
 }
 
+void append_near(ContinuousResult& result, int first_count, const FeaturePair& pair) {
+  (first_count == 1 ? result.near_vertex_face : result.near_edge_edge).push_back(pair);
+}
+
 void decide_edge_edge(const ContinuousInput& input, Index first, Index second, bool do_meet, ContinuousResult& result) {
   if (input.filter != nullptr && !input.filter->keeps_edges(first, second)) return;
   result.counters.exact_tests += !do_meet;

@@ -8,14 +8,9 @@
 namespace selvage {
 inline namespace SELVAGE_ISA {
 
-/// A vertex and a face (kFirst = 1) or two edges (kFirst = 2).
-struct FeaturePair {
-  Index first, second;
-  std::array<Index, 4> vertices;
-};
-
-/// Pairs that the test over the whole step leaves undecided, tested over its halves, their halves and so on: eight
-/// parts of time at once, of any pairs. Pairs that the shortest parts leave undecided are decided exactly.
+/// Pairs (a vertex and a face: kFirst = 1, two edges: kFirst = 2) that the test over the whole step leaves undecided,
+/// tested over its halves, their halves and so on: eight parts of time at once, of any pairs. Pairs that the shortest
+/// parts leave undecided are decided exactly.
 template <int kFirst>
 class PartBatch {
  public:
@@ -83,7 +78,7 @@ class PartBatch {
       from[i] = part.from;
       to[i] = part.to;
     }
-    MovingSets<kFirst, 4 - kFirst> sets(input_.rounded, vertices, input_.thickness);
+    MovingSets<kFirst, 4 - kFirst> sets(input_.rounded, vertices, input_.thickness, 0);
     sets.shorten(Float8::load(from), Float8::load(to));
     const unsigned apart = sets.apart(), meet = sets.meet();
     for (int i = 0; i < count; ++i) {
@@ -120,7 +115,8 @@ class PartBatch {
 template <int kFirst>
 class FeatureBatch {
  public:
-  FeatureBatch(const ContinuousInput& input, ContinuousResult& result) : input_(input), open_(input, result) {}
+  FeatureBatch(const ContinuousInput& input, ContinuousResult& result)
+      : input_(input), result_(result), open_(input, result) {}
 
   SELVAGE_INLINE void add(const FeaturePair& pair) {
     pairs_[count_] = pair;
@@ -133,11 +129,25 @@ class FeatureBatch {
   }
 
  private:
+  SELVAGE_INLINE bool has_strayed(const FeaturePair& pair) const {
+    if (input_.strayed == nullptr) return true;
+    const auto& [a, b, c, d] = pair.vertices;
+    return (input_.strayed[a] | input_.strayed[b] | input_.strayed[c] | input_.strayed[d]) != 0;
+  }
+
+  void list_near(unsigned apart) {
+    for (unsigned rest = ~apart & ((1u << count_) - 1); rest != 0; rest &= rest - 1)
+      if (const FeaturePair& pair = pairs_[lowest_lane(rest)]; has_strayed(pair)) append_near(result_, kFirst, pair);
+    count_ = 0;
+  }
+
   void test_whole_step() {
     Index vertices[4][EightPairs::kSize];
     for (int i = 0; i < EightPairs::kSize; ++i)
       for (int k = 0; k < 4; ++k) vertices[k][i] = pairs_[i < count_ ? i : 0].vertices[k];
-    const unsigned apart = MovingSets<kFirst, 4 - kFirst>(input_.rounded, vertices, input_.thickness).apart();
+    const unsigned apart =
+        MovingSets<kFirst, 4 - kFirst>(input_.rounded, vertices, input_.thickness, input_.margin).apart();
+    if (input_.margin > 0) return list_near(apart);
     for (unsigned rest = ~apart & ((1u << count_) - 1); rest != 0; rest &= rest - 1) {
       const FeaturePair& pair = pairs_[lowest_lane(rest)];
       if (stay_apart_by_axis(input_, pair.vertices, kFirst)) continue;
@@ -150,6 +160,7 @@ class FeatureBatch {
   }
 
   const ContinuousInput& input_;
+  ContinuousResult& result_;
   PartBatch<kFirst> open_;
   FeaturePair pairs_[EightPairs::kSize];
   int count_ = 0;

@@ -143,8 +143,8 @@ bool StarSeparation::stays_near_turned(Index vertex, std::span<const Vec3> posit
     const Vec3 moved_t1 = positions_t1[around_[i]] - positions_t1[vertex] - turned_[i];
     farthest = std::max({farthest, moved_t0.squaredNorm(), moved_t1.squaredNorm()});
   }
-  const double reach = stars_[vertex].reach;
-  return farthest < reach * reach;
+  const double reach = stars_[vertex].reach - slack_;
+  return reach > 0 && farthest < reach * reach;
 }
 
 /// Any way to turn the star will do: mostly that of the step before.
@@ -180,7 +180,14 @@ bool StarSeparation::update(Index vertex, std::span<const Vec3> positions_t0, st
   return true;
 }
 
-void StarSeparation::place(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
+bool StarSeparation::has_any(Index vertex, std::span<const std::uint8_t> strayed) const {
+  const auto others = around(vertex);
+  return strayed[vertex] != 0 || std::any_of(others.begin(), others.end(), [&](Index w) { return strayed[w] != 0; });
+}
+
+void StarSeparation::place(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1, double margin,
+                           std::span<const std::uint8_t> strayed) {
+  slack_ = 3.4642 * margin;  // of the vertex and of the middle, by the root of 3 each
   struct Count {
     std::int64_t value = 0;
     void add(const Count& other) { value += other.value; }
@@ -188,7 +195,8 @@ void StarSeparation::place(std::span<const Vec3> positions_t0, std::span<const V
   measured_count_ = parallel_reduce<Count>(std::ssize(middles_), kStarGrain,
                                            [&](std::int64_t first, std::int64_t last, Count& measured) {
                                              for (std::int64_t i = first; i < last; ++i)
-                                               measured.value += update(middles_[i], positions_t0, positions_t1);
+                                               if (strayed.empty() || has_any(middles_[i], strayed))
+                                                 measured.value += update(middles_[i], positions_t0, positions_t1);
                                            })
                         .value;
   open_.clear();

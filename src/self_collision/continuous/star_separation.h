@@ -21,7 +21,10 @@ class StarSeparation {
   bool are_nearly_rigid(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) const;
 
   /// Takes a step, and measures stars again that have changed their shape. O(n), parallel; deterministic.
-  void place(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1);
+  /// @param margin  stars count as separated where they are also if each vertex strays so far along every axis [m]
+  /// @param strayed  per vertex, not 0: it has moved since the last place(), which had the same margin; empty: all have
+  void place(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1, double margin = 0,
+             std::span<const std::uint8_t> strayed = {});
 
   /// Vertices whose stars may hold triangles that meet; ascending.
   std::span<const Index> open() const { return open_; }
@@ -45,6 +48,7 @@ class StarSeparation {
 
   bool update(Index vertex, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1);
   void measure(Index vertex, std::span<const Vec3> positions);
+  bool has_any(Index vertex, std::span<const std::uint8_t> strayed) const;
   double separation(Index vertex, std::span<const Vec3> positions) const;
   bool stays_near_turned(Index vertex, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) const;
   bool is_within_reach(Index vertex, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1);
@@ -62,6 +66,7 @@ class StarSeparation {
   std::vector<Star> stars_;            ///< per vertex
   std::vector<std::uint8_t> is_open_;  ///< per vertex
   std::vector<Index> open_;
+  double slack_ = 0;  ///< of a vertex as seen from the middle, for the margin [m]
   std::int64_t measured_count_ = 0;
 };
 

@@ -25,6 +25,12 @@ struct alignas(16) MovingTriangle {
   std::uint32_t represented;
 };
 
+/// A vertex and a face, or two edges, and their vertices in this order.
+struct FeaturePair {
+  Index first, second;
+  std::array<Index, 4> vertices;
+};
+
 /// Input of a search over a step.
 struct ContinuousInput {
   std::span<const BvhNode> nodes;
@@ -40,12 +46,17 @@ struct ContinuousInput {
   CulledNodes culled = {};
   const LeafVertices* leaves = nullptr;            ///< per node; for a search of nonadjacent triangles
   std::span<const NeighbourPair> neighbours = {};  ///< likewise
+  /// More than 0: pairs of features are listed as near, not decided, where they come nearer than if each vertex strayed
+  /// by so much along every axis; in box units, rounded up.
+  float margin = 0;
+  const std::uint8_t* strayed = nullptr;  ///< with a margin, per vertex: pairs without any such vertex are not listed
 };
 
 /// Result of one piece of a search.
 struct ContinuousResult {
   ContinuousPairs pairs;
   ContinuousCounters counters;
+  std::vector<FeaturePair> near_vertex_face, near_edge_edge;  ///< where the input has a margin
   std::atomic<bool>* stop = nullptr;  ///< set when a pair is found, where one is enough; else null
 };
 

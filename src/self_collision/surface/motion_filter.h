@@ -66,7 +66,9 @@ class MovingSets {
   /// @param vertices  for each of the points, the eight vertices
   /// @param thickness  per vertex, or null: sets are apart where they are farther apart than the largest of the one and
   ///                   the largest of the other together
-  SELVAGE_INLINE MovingSets(const MovingVertex* rows, const Index (&vertices)[kPoints][8], const float* thickness) {
+  /// @param margin     in box units: sets are apart where they are also if each point strays so far along every axis
+  SELVAGE_INLINE MovingSets(const MovingVertex* rows, const Index (&vertices)[kPoints][8], const float* thickness,
+                            float margin) {
     for (int i = 0; i < kPoints; ++i) points_[i] = gather_moving(rows, vertices[i]);
     // As the first one sees the others: what all have in common of their places and motions costs no bits.
     const MovingCorner origin = points_[0];
@@ -78,7 +80,8 @@ class MovingSets {
     // Along a direction, two positions of which each is off by a rounding, and ten more of each while times are
     // shortened and dot products taken: in all less than this for each unit of the sum of the direction's coordinates.
     error_ = Float8::broadcast(4.1f * kBoxRounding) + far_ * Float8::broadcast(0x1p-19f);
-    gap_ = thickness == nullptr ? error_ : error_ + distance(thickness, vertices);
+    gap_ = error_ + Float8::broadcast(2.000002f * margin);
+    if (thickness != nullptr) gap_ = gap_ + distance(thickness, vertices);
   }
 
   /// The range of a point along an axis, and the gap between two such ranges that separates them for certain.

@@ -3,6 +3,8 @@
 #include "core/parallel.h"
 #include "core/simd/simd.h"
 
+#include <cmath>
+
 namespace selvage {
 
 namespace {
@@ -13,21 +15,45 @@ Float4 margin_of(Float4 x) {
   return magnitude * Float4::broadcast(0x1p-23f) + Float4::broadcast(0x1p-126f);
 }
 
-Box swept_box(const MovingVertex& a, const MovingVertex& b, const MovingVertex& c) {
+/// A box around three vertices, larger by so much on all sides.
+Box swept_box(const MovingVertex& a, const MovingVertex& b, const MovingVertex& c, float by) {
   const Float8 rows[] = {Float8::load(a.coordinates), Float8::load(b.coordinates), Float8::load(c.coordinates)};
   const Float8 lowest = min(min(rows[0], rows[1]), rows[2]), highest = max(max(rows[0], rows[1]), rows[2]);
   const Float4 lower = min(lowest.low(), lowest.high()), upper = max(highest.low(), highest.high());
   float low[4], high[4];
-  (lower - margin_of(lower)).store(low);
-  (upper + margin_of(upper)).store(high);
+  (lower - margin_of(lower) - Float4::broadcast(by)).store(low);
+  (upper + margin_of(upper) + Float4::broadcast(by)).store(high);
   return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
+}
+
+MovingVertex rounded_in(const BoxUnits& units, const Vec3& position_t0, const Vec3& position_t1) {
+  const Vec3 start = units.map(position_t0), end = units.map(position_t1);
+  const auto rounded = [](double x) { return static_cast<float>(x); };
+  return {{rounded(start[0]), rounded(start[1]), rounded(start[2]), 0, rounded(end[0]), rounded(end[1]),
+           rounded(end[2]), 0}};
+}
+
+/// By how much boxes are larger for a margin: its sums with coordinates, which are below 2, are rounded, too.
+float widening_of(float margin) {
+  return margin > 0 ? margin + 0x1p-21f : 0;
+}
+
+void widen(Box& box, double by) {
+  for (int k = 0; k < 3; ++k) {
+    box.lower[k] = round_down(box.lower[k] - by);
+    box.upper[k] = round_up(box.upper[k] + by);
+  }
 }
 
 }  // namespace
 
 void SweptSurface::place(const TriangleMesh& mesh, std::span<const Vec3> positions_t0,
-                         std::span<const Vec3> positions_t1, std::span<const double> thickness, const BoxUnits& units) {
+                         std::span<const Vec3> positions_t1, std::span<const double> thickness, const BoxUnits& units,
+                         double margin) {
   const std::size_t count = positions_t0.size();
+  units_ = units;
+  // A little more, for the rounding of map_length().
+  margin_ = margin > 0 ? round_up(units.map_length(margin) * (1 + 0x1p-19)) : 0;
   positions_t0_.resize(count);
   positions_t1_.resize(count);
   rounded_.resize(count);
@@ -35,24 +61,46 @@ void SweptSurface::place(const TriangleMesh& mesh, std::span<const Vec3> positio
   parallel_for(mesh.vertex_count(), kGrain, [&](std::int64_t v) {
     positions_t0_[v] = positions_t0[v];
     positions_t1_[v] = positions_t1[v];
-    const Vec3 start = units.map(positions_t0[v]), end = units.map(positions_t1[v]);
-    const auto rounded = [](double x) { return static_cast<float>(x); };
-    rounded_[v] = {{rounded(start[0]), rounded(start[1]), rounded(start[2]), 0, rounded(end[0]), rounded(end[1]),
-                    rounded(end[2]), 0}};
+    rounded_[v] = rounded_in(units, positions_t0[v], positions_t1[v]);
     // A little more, for the rounding of map_length(): pairs that are too far apart are rejected later.
     if (!thickness.empty()) thickness_[v] = round_up(units.map_length(thickness[v]) * (1 + 0x1p-19));
   });
   boxes_.resize(mesh.triangle_count());
   parallel_for(mesh.triangle_count(), kGrain, [&](std::int64_t t) {
     const auto& [a, b, c] = mesh.triangles()[t];
-    boxes_[t] = swept_box(rounded_[a], rounded_[b], rounded_[c]);
-    if (thickness.empty()) return;
-    const double largest = std::max({thickness_[a], thickness_[b], thickness_[c]});
-    for (int k = 0; k < 3; ++k) {
-      boxes_[t].lower[k] = round_down(boxes_[t].lower[k] - largest);
-      boxes_[t].upper[k] = round_up(boxes_[t].upper[k] + largest);
-    }
+    boxes_[t] = swept_box(rounded_[a], rounded_[b], rounded_[c], widening_of(margin_));
+    if (!thickness.empty()) widen(boxes_[t], std::max({thickness_[a], thickness_[b], thickness_[c]}));
   });
+}
+
+void SweptSurface::move(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1,
+                        std::span<const Index> vertices) {
+  parallel_ranges(std::ssize(positions_t0), kGrain, [&](std::int64_t first, std::int64_t last) {
+    std::copy(positions_t0.begin() + first, positions_t0.begin() + last, positions_t0_.begin() + first);
+    std::copy(positions_t1.begin() + first, positions_t1.begin() + last, positions_t1_.begin() + first);
+  });
+  parallel_for(std::ssize(vertices), kGrain, [&](std::int64_t i) {
+    const Index v = vertices[i];
+    rounded_[v] = rounded_in(units_, positions_t0[v], positions_t1[v]);
+  });
+}
+
+bool SweptSurface::replace(const TriangleMesh& mesh, std::span<const Vec3> positions_t0,
+                           std::span<const Vec3> positions_t1, std::span<const Index> vertices,
+                           std::span<const Index> triangles) {
+  for (const Index v : vertices) {
+    positions_t0_[v] = positions_t0[v];
+    positions_t1_[v] = positions_t1[v];
+    rounded_[v] = rounded_in(units_, positions_t0[v], positions_t1[v]);
+    // NaN is out of range, too.
+    for (const float x : rounded_[v].coordinates)
+      if (!(std::abs(x) <= 1)) return false;
+  }
+  for (const Index t : triangles) {
+    const auto& [a, b, c] = mesh.triangles()[t];
+    boxes_[t] = swept_box(rounded_[a], rounded_[b], rounded_[c], widening_of(margin_));
+  }
+  return true;
 }
 
 }  // namespace selvage

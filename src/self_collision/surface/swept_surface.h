@@ -11,8 +11,22 @@ class SweptSurface {
  public:
   /// Takes the positions at both ends of a step, and the thickness at each vertex (or none), into box units. O(n),
   /// parallel.
+  ///
+  /// @param margin  by which boxes are larger on all sides [m]
   void place(const TriangleMesh& mesh, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1,
-             std::span<const double> thickness, const BoxUnits& units);
+             std::span<const double> thickness, const BoxUnits& units, double margin = 0);
+
+  /// Takes other positions, of motions that stray by less than the margin, in the same box units. Boxes stay as they
+  /// are, and so does rounded() but for some vertices. O(n), parallel.
+  void move(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1, std::span<const Index> vertices);
+
+  /// Takes other positions of some vertices, in the same box units, and the boxes of the triangles that have them.
+  /// False: one of them lies outside the range of the units, so that nothing here is of use. O(their number).
+  bool replace(const TriangleMesh& mesh, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1,
+               std::span<const Index> vertices, std::span<const Index> triangles);
+
+  /// The margin in box units, rounded up.
+  float margin() const { return margin_; }
 
   std::span<const Vec3> positions_t0() const { return positions_t0_; }
   std::span<const Vec3> positions_t1() const { return positions_t1_; }
@@ -34,6 +48,8 @@ class SweptSurface {
   UnsetVector<MovingVertex> rounded_;
   UnsetVector<float> thickness_;
   UnsetVector<Box> boxes_;
+  BoxUnits units_;
+  float margin_ = 0;
 };
 
 }  // namespace selvage

@@ -1,0 +1,174 @@
+#include "self_collision/continuous/near_features.h"
+
+#include "self_collision/surfaces.h"
+#include "selvage/self_collision/continuous_collision.h"
+#include "test_scale.h"
+#include "threads.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace selvage {
+namespace {
+
+using surfaces::Surface;
+using test::Random;
+using test::scaled;
+using test::seed;
+using Positions = std::vector<Vec3>;
+
+/// How the end of a step differs from its start, or from the end of a try before.
+enum class Move { kNone, kTremble, kOne, kSome, kAll, kTurn, kMirror, kJump, kCount };
+
+void move(Move how, Positions& positions, Random& random) {
+  const auto count = static_cast<Index>(positions.size());
+  switch (how) {
+    case Move::kTremble:
+      for (Vec3& x : positions) x += random.vector(1e-3);
+      break;
+    case Move::kOne:
+      positions[random.below(count)] += random.vector(random.below(2) == 0 ? 0.3 : 3);
+      break;
+    case Move::kSome:
+      for (Index i = 0; i <= count / 10; ++i) positions[random.below(count)] += random.vector(0.2);
+      break;
+    case Move::kAll:
+      for (Vec3& x : positions) x += random.vector(0.1);
+      break;
+    case Move::kTurn: {
+      const double turn = random.within(-0.02, 0.02);
+      for (Vec3& x : positions)
+        x = Vec3(x[0], std::cos(turn) * x[1] - std::sin(turn) * x[2], std::sin(turn) * x[1] + std::cos(turn) * x[2]);
+      break;
+    }
+    case Move::kMirror:
+      for (Vec3& x : positions) x[2] = -x[2];
+      break;
+    case Move::kJump: {
+      const Vec3 jump = random.vector(100);
+      for (Vec3& x : positions) x += jump;
+      break;
+    }
+    default:
+      break;
+  }
+}
+
+/// Mostly moves after which lists hold.
+Move any_move(Random& random) {
+  if (random.below(6) == 0) return static_cast<Move>(random.below(static_cast<std::uint64_t>(Move::kCount)));
+  constexpr Move kLittle[] = {Move::kNone, Move::kTremble, Move::kOne, Move::kSome};
+  return kLittle[random.below(4)];
+}
+
+ContinuousPairs pairs_by_hierarchy(const TriangleMesh& mesh, const Positions& start, const Positions& end) {
+  SelfCollisionOptions options;
+  options.method = CullingMethod::kBvh;
+  return ContinuousCollisionFinder(mesh, start, end, options).find_pairs();
+}
+
+/// What a kept finder finds over steps, each of which is asked for up to three times with another end; and how often it
+/// compared no nodes.
+struct Found {
+  std::vector<ContinuousPairs> pairs;
+  int from_list = 0;
+
+  bool operator==(const Found& other) const { return pairs == other.pairs && from_list == other.from_list; }
+};
+
+Found find_over_steps(Surface surface, Random random, int steps, bool compares) {
+  const TriangleMesh mesh = surface.mesh();
+  ContinuousCollisionFinder finder(mesh, surface.positions, surface.positions);
+  Found found;
+  for (int step = 0; step < steps; ++step) {
+    Positions end = surface.positions;
+    for (std::uint64_t tries = 1 + random.below(3); tries > 0; --tries) {
+      move(any_move(random), end, random);
+      finder.update(surface.positions, end);
+      ContinuousCounters counters;
+      found.pairs.push_back(finder.find_pairs(&counters));
+      found.from_list += counters.node_pairs == 0;
+      if (!compares) continue;
+      EXPECT_EQ(found.pairs.back(), pairs_by_hierarchy(mesh, surface.positions, end)) << "step " << step;
+      EXPECT_EQ(finder.has_pairs(), !found.pairs.back().empty());
+    }
+    surface.positions = end;
+  }
+  return found;
+}
+
+/// Sheets one over the other, so near that some of what moves meets.
+Surface two_sheets(Random& random) {
+  Surface above = surfaces::sheet(16, 16, random);
+  for (Vec3& x : above.positions) x += Vec3(0.3, 0.2, 0.12);
+  return surfaces::jittered(surfaces::together(surfaces::sheet(16, 16, random), above), 0.04, random);
+}
+
+class NearFeaturesOf : public testing::TestWithParam<surfaces::Family> {};
+INSTANTIATE_TEST_SUITE_P(All, NearFeaturesOf, testing::ValuesIn(surfaces::families()), surfaces::name_of);
+
+TEST_P(NearFeaturesOf, ChangeNoAnswer) {
+  Random random(seed(81));
+  for (std::int64_t n = 0; n < scaled(6); ++n) {
+    Surface surface = GetParam().make(random);
+    if (n % 3 == 0) surface = surfaces::snapped(surface, 3);
+    find_over_steps(surface, Random(random.bits()), 20, true);
+  }
+}
+
+TEST(NearFeatures, ChangeNoAnswerBetweenSheets) {
+  Random random(seed(82));
+  int from_list = 0;
+  std::size_t met = 0;
+  for (std::int64_t n = 0; n < scaled(4); ++n) {
+    const Found found = find_over_steps(two_sheets(random), Random(random.bits()), 30, true);
+    from_list += found.from_list;
+    for (const ContinuousPairs& pairs : found.pairs) met += pairs.vertex_face.size() + pairs.edge_edge.size();
+  }
+  EXPECT_GT(from_list, scaled(40));
+  EXPECT_GT(met, static_cast<std::size_t>(scaled(400)));
+}
+
+TEST(NearFeatures, AreTheSameForAnyNumberOfThreads) {
+  Random random(seed(83));
+  const Surface surface = two_sheets(random);
+  const std::uint64_t bits = random.bits();
+  test::same_for_any_threads([&] { return find_over_steps(surface, Random(bits), 15, false); });
+}
+
+// Where nothing moves, a kept finder compares no nodes, and what it tests is what lies near.
+TEST(NearFeatures, AreAllThatIsTestedWhereNothingMoves) {
+  Random random(seed(84));
+  const Surface surface = two_sheets(random);
+  const TriangleMesh mesh = surface.mesh();
+  ContinuousCollisionFinder finder(mesh, surface.positions, surface.positions);
+  for (int step = 0; step < 6; ++step) {
+    finder.update(surface.positions, surface.positions);
+    ContinuousCounters counters;
+    EXPECT_EQ(finder.find_pairs(&counters), pairs_by_hierarchy(mesh, surface.positions, surface.positions));
+    EXPECT_EQ(counters.node_pairs == 0, step > 0);
+  }
+}
+
+TEST(NearFeatures, RefuseWhatAFinderRefuses) {
+  Random random(seed(85));
+  const Surface surface = two_sheets(random);
+  const TriangleMesh mesh = surface.mesh();
+  ContinuousCollisionFinder finder(mesh, surface.positions, surface.positions);
+  for (int step = 0; step < 4; ++step) finder.update(surface.positions, surface.positions);
+  Positions broken = surface.positions;
+  broken[5][1] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_ANY_THROW(finder.update(surface.positions, broken));
+  EXPECT_ANY_THROW(finder.update(broken, surface.positions));
+  broken.pop_back();
+  EXPECT_ANY_THROW(finder.update(surface.positions, broken));
+  Positions moved = surface.positions;
+  for (Vec3& x : moved) x[2] *= 0.5;
+  finder.update(surface.positions, moved);
+  EXPECT_EQ(finder.find_pairs(), pairs_by_hierarchy(mesh, surface.positions, moved));
+}
+
+}  // namespace
+}  // namespace selvage
