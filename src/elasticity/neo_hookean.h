@@ -29,6 +29,6 @@ struct NeoHookean {
   double slope(double growth) const { return (lambda + mu) * growth - mu; }
 };
 
-static_assert(VertexMaterial<NeoHookean>);
+static_assert(VertexMaterial<NeoHookean, 3>);
 
 }  // namespace selvage

@@ -37,9 +37,9 @@ concept HyperelasticMaterial = EnergyDensity<Material, D> &&
 };
 
 /// One that also gives what solvers need that move a single vertex.
-template <typename Material>
-concept VertexMaterial = HyperelasticMaterial<Material, 3> &&
-    requires(const Material& material, const Eigen::Matrix3d& f, const Eigen::Vector3d& b) {
+template <typename Material, int D>
+concept VertexMaterial = HyperelasticMaterial<Material, D> &&
+    requires(const Material& material, const DeformationGradient<D>& f, const Eigen::Matrix<double, D, 1>& b) {
   { material.by_vertex(f, b) } -> std::convertible_to<VertexDerivatives>;
 };
 

@@ -48,6 +48,6 @@ struct StrainDamping {
 extern template struct StrainDamping<2>;
 extern template struct StrainDamping<3>;
 
-static_assert(HyperelasticMaterial<StrainDamping<2>, 2> && VertexMaterial<StrainDamping<3>>);
+static_assert(VertexMaterial<StrainDamping<2>, 2> && VertexMaterial<StrainDamping<3>, 3>);
 
 }  // namespace selvage

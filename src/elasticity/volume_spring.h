@@ -20,6 +20,6 @@ struct VolumeSpring {
   }
 };
 
-static_assert(VertexMaterial<VolumeSpring>);
+static_assert(VertexMaterial<VolumeSpring, 3>);
 
 }  // namespace selvage

@@ -244,23 +244,29 @@ TEST(MembraneNeoHookean, HasTheEigensystemOfItsHessianInClosedForm) {
   }
 }
 
-/// Derivatives by one vertex are the block of the whole Hessian, but that they leave out a press.
-template <typename Material>
-void expect_block_of_whole(const Material& material, const RestSimplex<3>& rest, const StencilPositions<4>& x,
+/// Derivatives by one vertex are a block of the whole Hessian, but that they leave out a press.
+void expect_block(const VertexDerivatives& own, const Eigen::Vector3d& gradient, const Eigen::Matrix3d& block,
+                  bool exact) {
+  const double size = 1 + block.norm();
+  EXPECT_LT((own.gradient - gradient).norm(), 1e-11 * (size + gradient.norm()));
+  EXPECT_GT(least_eigenvalue(own.hessian), -1e-12 * size);
+  EXPECT_GT(least_eigenvalue(Eigen::Matrix3d(own.hessian - block)), -1e-11 * size);
+  if (exact) {
+    EXPECT_LT((own.hessian - block).norm(), 1e-11 * size);
+  }
+}
+
+template <int D, typename Material>
+void expect_block_of_whole(const Material& material, const RestSimplex<D>& rest, const StencilPositions<D + 1>& x,
                            bool exact) {
-  const SimplexElement<3, Material> element{rest, material};
-  const StencilGradient<4> gradient = element.gradient(x);
-  const StencilHessian<4> hessian = element.hessian(x);
-  for (int k = 0; k < 4; ++k) {
-    const VertexDerivatives own = material.by_vertex(rest.deformation(x), rest.by_vertex(k));
-    const Eigen::Matrix3d block = hessian.block<3, 3>(3 * k, 3 * k);
-    const double size = 1 + block.norm();
-    EXPECT_LT((rest.size * own.gradient - gradient.col(k)).norm(), 1e-11 * (1 + gradient.norm()));
-    EXPECT_GT(least_eigenvalue(Eigen::Matrix3d(own.hessian)), -1e-12 * size);
-    EXPECT_GT(least_eigenvalue(Eigen::Matrix3d(rest.size * own.hessian - block)), -1e-11 * size);
-    if (exact) {
-      EXPECT_LT((rest.size * own.hessian - block).norm(), 1e-11 * size);
-    }
+  const SimplexElement<D, Material> element{rest, material};
+  const StencilGradient<D + 1> gradient = element.gradient(x);
+  const StencilHessian<D + 1> hessian = element.hessian(x);
+  for (int k = 0; k <= D; ++k) {
+    VertexDerivatives own = material.by_vertex(rest.deformation(x), rest.by_vertex(k));
+    own.gradient *= rest.size;
+    own.hessian *= rest.size;
+    expect_block(own, gradient.col(k), hessian.template block<3, 3>(3 * k, 3 * k), exact);
   }
 }
 
@@ -269,10 +275,57 @@ TEST(VertexDerivatives, AreABlockOfTheWholeHessian) {
   for (std::int64_t n = 0; n < scaled(300, 30); ++n) {
     const RestSimplex<3> rest = RestSimplex<3>::of(random.edges());
     const StencilPositions<4> x = random.columns<4>();
-    expect_block_of_whole(NeoHookean::of(1, 0.4), rest, x, true);
-    expect_block_of_whole(VolumeSpring{2, 0.5}, rest, x, true);
+    expect_block_of_whole<3>(NeoHookean::of(1, 0.4), rest, x, true);
+    expect_block_of_whole<3>(VolumeSpring{2, 0.5}, rest, x, true);
     const Eigen::Matrix3d start = random.stretch();
-    expect_block_of_whole(StrainDamping<3>{1, 2, start.transpose() * start}, rest, x, false);
+    expect_block_of_whole<3>(StrainDamping<3>{1, 2, start.transpose() * start}, rest, x, false);
+  }
+}
+
+TEST(VertexDerivatives, OfSheetsAreABlockOfTheWholeHessian) {
+  Randoms random;
+  std::int64_t stretched = 0;
+  for (std::int64_t n = 0; n < scaled(300, 30); ++n) {
+    const RestSimplex<2> rest = RestSimplex<2>::of(random.flat_edges());
+    const StencilPositions<3> x = random.columns<3>();
+    const DeformationGradient<2> f = rest.deformation(x);
+    // Only a sheet that is pressed has a Hessian by a vertex with a negative eigenvalue.
+    const MembraneNeoHookean sheet{1, 2};
+    const bool is_stretched = f.col(0).cross(f.col(1)).norm() > 1 + 1.0 / 3;
+    stretched += is_stretched;
+    expect_block_of_whole<2>(sheet, rest, x, is_stretched);
+    expect_block_of_whole<2>(MembraneWeave{3, 2, 0.5}, rest, x, false);
+    const DeformationGradient<2> start = random.columns<2>();
+    expect_block_of_whole<2>(StrainDamping<2>{1, 2, start.transpose() * start}, rest, x, false);
+    const StencilPositions<4> hinge = random.columns<4>();
+    const QuadraticBending flat = QuadraticBending::of(flat_hinge(), 2);
+    const HingeBending bent = HingeBending::of(random.columns<4>(), 2);
+    for (int k = 0; k < 4; ++k) {
+      expect_block(flat.by_vertex(hinge, k), flat.gradient(hinge).col(k), flat.hessian(hinge).block<3, 3>(3 * k, 3 * k),
+                   true);
+      const VertexDerivatives own = bent.by_vertex(hinge, k);
+      const Eigen::Matrix3d block = bent.positive_hessian(hinge).block<3, 3>(3 * k, 3 * k);
+      EXPECT_LT((own.gradient - bent.gradient(hinge).col(k)).norm(), 1e-12 * (1 + own.gradient.norm()));
+      EXPECT_LT((own.hessian - block).norm(), 1e-12 * (1 + block.norm()));
+    }
+  }
+  EXPECT_GT(stretched, 5);
+}
+
+TEST(VertexDerivatives, OfSheetsAreFiniteWhereTheyHaveNoArea) {
+  for (const DeformationGradient<2>& f :
+       {DeformationGradient<2>(DeformationGradient<2>::Zero()),
+        DeformationGradient<2>(Eigen::Vector3d(1, 2, 3) * Eigen::RowVector2d(1, 2)),
+        DeformationGradient<2>(Eigen::Vector3d(1, 0, 0) * Eigen::RowVector2d(0, 1))}) {
+    for (const VertexDerivatives& own :
+         {MembraneNeoHookean{1, 2}.by_vertex(f, {1, -0.5}), MembraneWeave{1, 2, 3}.by_vertex(f, {1, -0.5})}) {
+      EXPECT_TRUE(own.gradient.allFinite() && own.hessian.allFinite()) << f;
+      EXPECT_GT(least_eigenvalue(own.hessian), -1e-12);
+    }
+    EXPECT_LT((MembraneNeoHookean{1, 2}.by_vertex(f, {1, -0.5}).gradient -
+               MembraneNeoHookean{1, 2}.first_piola(f) * Eigen::Vector2d(1, -0.5))
+                  .norm(),
+              1e-13);
   }
 }
 

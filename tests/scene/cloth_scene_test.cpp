@@ -66,7 +66,6 @@ TEST(ClothScene, RefusesWhatCannotBe) {
   expect(text_of_sheet(R"({"kind": "cloth", "youngs_modulus": 1})"), "youngs_modulus");
   const std::string sheet = R"("mesh": {"shape": "cloth", "size": [1, 1, 0], "cell": 0.25})";
   expect(text_of_cloth(sheet + R"(, "scale": [1, 1e-12, 1])"), "has no area at rest");
-  expect(text_of_cloth(sheet, R"(, "solver": "vbd")"), "bodies[0]: is cloth, which the solver vbd does not know");
 }
 
 /// Cloth over a soft ball on a floor, and a second sheet over both.

@@ -3,7 +3,6 @@
 #include "random.h"
 #include "selvage/self_collision/continuous_collision.h"
 #include "selvage/simulation/newton.h"
-#include "selvage/simulation/vbd.h"
 #include "simulation/bodies.h"
 #include "simulation/cloth_bodies.h"
 #include "simulation/guarded_steps.h"
@@ -321,9 +320,6 @@ TEST(Cloth, RefusesWhatIsNone) {
   ClothMaterial light = cloth();
   light.density = 0;
   expect_error("body 'sheet0': its density is 0", [&] { make_sheets({make_cloth(1, 1, 0.5)}, light); });
-  const Model model = make_sheets({make_cloth(1, 1, 0.5)}, cloth());
-  const State state = make_state(model, model.rest_positions);
-  expect_error("body 'sheet0': is cloth", [&] { VbdSolver(model, state, {}, {}, {}); });
 }
 
 }  // namespace

@@ -25,7 +25,9 @@ TEST(VertexColours, ShareNoElementAndHoldEachVertexOfAnElementOnce) {
   IndexedMesh mesh = make_ball(0.1, 0.03);
   mesh.positions.push_back(Vec3::Zero());  // of no element
   const TetMesh tets(static_cast<Index>(mesh.positions.size()), mesh.tetrahedra);
-  const VertexColours colours = colour_vertices(tets);
+  Model model;
+  model.mesh = tets;
+  const VertexColours colours = colour_vertices(model);
   std::vector<Index> colour_of(mesh.positions.size(), kNone);
   for (Index c = 0; c < colours.colour_count(); ++c)
     for (Index i = colours.first[c]; i < colours.first[c + 1]; ++i) {

@@ -30,7 +30,7 @@ std::vector<StarVariant> star_variants() {
 }
 
 void compare_with_one_by_one(const Model& model, std::span<const Vec3> x) {
-  const VertexColours colours = colour_vertices(model.mesh);
+  const VertexColours colours = colour_vertices(model);
   IncrementalPotential potential(model, 1.0 / 60);
   std::vector<StepVertex> vertices;
   for (Index v = 0; v < model.mesh.vertex_count(); ++v) {
@@ -76,7 +76,7 @@ TEST(VertexStars, LeaveSpringsAndDampedElementsToThePotential) {
   const IndexedMesh box = make_box({0.3, 0.2, 0.1}, 0.1);
   for (const Material& material : {springs(1e-4, 1e-9), damped(neo_hookean(1e5, 0.4), 0.01)}) {
     const Model model = make(box, material);
-    const VertexColours colours = colour_vertices(model.mesh);
+    const VertexColours colours = colour_vertices(model);
     EXPECT_EQ(VertexStars(model, colours).task().first_batches[colours.vertices.size()], 0);
     compare_with_one_by_one(model, jittered(model.rest_positions, 0.02, 3));
   }
@@ -97,7 +97,7 @@ OffsetTerm contact_of(const Model& model, const VertexColours& colours, Index co
 
 TEST(VertexStars, LowerTheEnergyOfContactsBetweenVerticesThatMoveTogether) {
   const Model model = make(make_box({0.4, 0.4, 0.4}, 0.1), neo_hookean(1e4, 0.3));
-  const VertexColours colours = colour_vertices(model.mesh);
+  const VertexColours colours = colour_vertices(model);
   std::vector<StepVertex> vertices;
   for (Index v = 0; v < model.mesh.vertex_count(); ++v) {
     const Vec3& p = model.rest_positions[v];

@@ -120,6 +120,11 @@ StencilHessian<4> HingeBending::positive_hessian(const HingePositions& x) const 
   return stiffness * g * g.transpose();
 }
 
+VertexDerivatives HingeBending::by_vertex(const HingePositions& x, int vertex) const {
+  const Eigen::Vector3d g = Hinge(x).gradient().col(vertex);
+  return {stiffness * bent_by(x) * g, stiffness * g * g.transpose()};
+}
+
 StencilHessian<4> HingeBending::hessian(const HingePositions& x) const {
   return positive_hessian(x) + stiffness * bent_by(x) * Hinge(x).hessian();
 }

@@ -35,6 +35,8 @@ struct HingeBending {
   StencilHessian<4> hessian(const HingePositions& x) const;
   /// Gauss-Newton: without the curvature of the angle itself.
   StencilHessian<4> positive_hessian(const HingePositions& x) const;
+  /// Blocks of the gradient and of the positive Hessian.
+  VertexDerivatives by_vertex(const HingePositions& x, int vertex) const;
 
  private:
   double bent_by(const HingePositions& x) const;
@@ -57,6 +59,10 @@ struct QuadraticBending {
   StencilGradient<4> gradient(const HingePositions& x) const { return stiffness * (x * weights) * weights.transpose(); }
   StencilHessian<4> hessian(const HingePositions& x) const;
   StencilHessian<4> positive_hessian(const HingePositions& x) const { return hessian(x); }
+  VertexDerivatives by_vertex(const HingePositions& x, int vertex) const {
+    const double pull = stiffness * weights[vertex];
+    return {pull * (x * weights), pull * weights[vertex] * Eigen::Matrix3d::Identity()};
+  }
 };
 
 static_assert(StencilEnergy<QuadraticBending>);

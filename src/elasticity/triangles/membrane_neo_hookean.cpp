@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 
+#include <algorithm>
 #include <cmath>
 
 namespace selvage {
@@ -91,6 +92,18 @@ DeformationHessian<2> MembraneNeoHookean::positive_hessian(const Gradient& f) co
   for (int k = 0; k < 2; ++k)
     add(eigen.eigenvalues()[k], u.leftCols<2>() * eigen.eigenvectors().col(k).asDiagonal() * v.transpose());
   return h;
+}
+
+// J grows with the distance of the vertex from the line through the others: straight away from it by c, and across the
+// sheet the distance has the curvature |c|^2 / J.
+VertexDerivatives MembraneNeoHookean::by_vertex(const Gradient& f, const Eigen::Vector2d& b) const {
+  const Eigen::Vector3d across = f.col(0).cross(f.col(1));
+  const double area = across.norm(), p = slope(area), stiff = mu * b.squaredNorm();
+  const Eigen::Vector3d n = area > 0 ? Eigen::Vector3d(across / area) : normal_of(f);
+  const Eigen::Vector3d c = b[0] * f.col(1).cross(n) + b[1] * n.cross(f.col(0));
+  VertexDerivatives own{mu * f * b + p * c, stiff * Eigen::Matrix3d::Identity() + (lambda + mu) * c * c.transpose()};
+  if (area > 0) own.hessian += std::max(p * c.squaredNorm() / area, -stiff) * n * n.transpose();
+  return own;
 }
 
 }  // namespace selvage

@@ -19,11 +19,13 @@ struct MembraneNeoHookean {
   DeformationHessian<2> hessian(const DeformationGradient<2>& f) const;
   /// The nearest that is positive semi-definite, by its eigensystem in closed form.
   DeformationHessian<2> positive_hessian(const DeformationGradient<2>& f) const;
+  /// Exact, but that it leaves out how a pressed sheet gives way across itself.
+  VertexDerivatives by_vertex(const DeformationGradient<2>& f, const Eigen::Vector2d& b) const;
 
  private:
   double slope(double area) const { return (lambda + mu) * (area - 1) - mu; }
 };
 
-static_assert(HyperelasticMaterial<MembraneNeoHookean, 2>);
+static_assert(VertexMaterial<MembraneNeoHookean, 2>);
 
 }  // namespace selvage

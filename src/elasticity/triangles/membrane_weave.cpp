@@ -70,4 +70,19 @@ DeformationHessian<2> MembraneWeave::positive_hessian(const DeformationGradient<
   return h;
 }
 
+// The product w_u . w_v has the slope g and in all directions the curvature 2 b_u b_v.
+VertexDerivatives MembraneWeave::by_vertex(const DeformationGradient<2>& f, const Eigen::Vector2d& b) const {
+  const double angle = f.col(0).dot(f.col(1)), bend = 2 * angle * b[0] * b[1];
+  const Eigen::Vector3d g = b[0] * f.col(1) + b[1] * f.col(0);
+  const double squared = g.squaredNorm();
+  VertexDerivatives own{
+      b[0] * stretch_gradient(f.col(0), warp) + b[1] * stretch_gradient(f.col(1), weft) + shear * angle * g,
+      b[0] * b[0] * stretch_hessian(f.col(0), warp, true) + b[1] * b[1] * stretch_hessian(f.col(1), weft, true)};
+  if (bend >= 0)
+    own.hessian += shear * (g * g.transpose() + bend * Eigen::Matrix3d::Identity());
+  else if (squared + bend > 0)
+    own.hessian += shear * (1 + bend / squared) * g * g.transpose();
+  return own;
+}
+
 }  // namespace selvage

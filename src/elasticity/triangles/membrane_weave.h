@@ -19,8 +19,10 @@ struct MembraneWeave {
   DeformationHessian<2> hessian(const DeformationGradient<2>& f) const;
   /// Each term without its negative eigenvalues.
   DeformationHessian<2> positive_hessian(const DeformationGradient<2>& f) const;
+  /// Each term without its negative eigenvalues.
+  VertexDerivatives by_vertex(const DeformationGradient<2>& f, const Eigen::Vector2d& b) const;
 };
 
-static_assert(HyperelasticMaterial<MembraneWeave, 2>);
+static_assert(VertexMaterial<MembraneWeave, 2>);
 
 }  // namespace selvage

@@ -97,14 +97,6 @@ void refuse_rigid_springs(const SceneDescription& scene) {
                   "give edge_compliance and volume_compliance above 0, or use the solver xpbd");
 }
 
-void refuse_cloth_by_vbd(const SceneDescription& scene) {
-  if (scene.solver != SolverKind::kVbd) return;
-  for (const BodyDescription& body : scene.bodies)
-    if (body.is_cloth())
-      throw Error(body.where, "is cloth, which the solver vbd does not know",
-                  "use the solver xpbd or newton, or leave the cloth out");
-}
-
 /// Steps a frame where the scene gives none. XPBD carries what lies on a body by as much as the material moves the
 /// body's surface back in a step: for a load, as much as the step's length squared over the mass of that surface. Where
 /// densities differ more than in kSameSteps, steps are shorter by the root. Cloth is stiff for its weight: it takes
@@ -224,7 +216,6 @@ SceneDescription describe_scene(std::string_view text, const std::filesystem::pa
     for (const JsonValue& item : v->items()) scene.colliders.push_back(read_collider(item, file.parent_path()));
   object.refuse_others();
   refuse_rigid_springs(scene);
-  refuse_cloth_by_vbd(scene);
   // The implicit solvers damp enough by themselves.
   const double damping = scene.solver == SolverKind::kXpbd ? kMaterialDamping : 0;
   for (BodyDescription& body : scene.bodies)

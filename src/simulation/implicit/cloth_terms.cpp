@@ -1,5 +1,7 @@
 #include "simulation/implicit/cloth_terms.h"
 
+#include <algorithm>
+
 namespace selvage {
 
 ClothTerms::ClothTerms(const Model& model, double time_step) : hinges_(list_cloth_hinges(model)) {
@@ -83,6 +85,41 @@ ClothTerms::Derivatives ClothTerms::derivatives(Index term, std::span<const Vec3
     sum.hessian.template topLeftCorner<3 * kVertices, 3 * kVertices>() +=
         exact ? energy.hessian(own) : energy.positive_hessian(own);
   });
+  return sum;
+}
+
+int ClothTerms::place_of(Index term, Index vertex) const {
+  const auto vertices = vertices_of(term);
+  return static_cast<int>(std::find(vertices.begin(), vertices.end(), vertex) - vertices.begin());
+}
+
+void ClothTerms::add_by_vertex(std::span<const Vec3> x, Index v, VertexDerivatives& sum) const {
+  for (const Index t : terms_of(v)) {
+    const int place = place_of(t, v);
+    visit(t, x, [&](const auto& energy, const auto& own) {
+      if constexpr (requires { energy.rest; }) {
+        const VertexDerivatives by =
+            energy.material.by_vertex(energy.rest.deformation(own), energy.rest.by_vertex(place));
+        sum.gradient += energy.rest.size * by.gradient;
+        sum.hessian += energy.rest.size * by.hessian;
+      } else {
+        const VertexDerivatives by = energy.by_vertex(own, place);
+        sum.gradient += by.gradient;
+        sum.hessian += by.hessian;
+      }
+    });
+  }
+}
+
+double ClothTerms::energy_by_vertex(std::span<const Vec3> x, Index v, const Vec3& at) const {
+  double sum = 0;
+  for (const Index t : terms_of(v)) {
+    const int place = place_of(t, v);
+    visit(t, x, [&](const auto& energy, auto own) {
+      own.col(place) = at;
+      sum += energy.energy(own);
+    });
+  }
   return sum;
 }
 

@@ -35,6 +35,11 @@ class ClothTerms {
   StencilGradient<4> gradient(Index term, std::span<const Vec3> x) const;
   Derivatives derivatives(Index term, std::span<const Vec3> x, bool exact) const;
 
+  /// Adds the derivatives of a vertex's terms by its position.
+  void add_by_vertex(std::span<const Vec3> x, Index v, VertexDerivatives& sum) const;
+  /// Sum of the energies of a vertex's terms, with the vertex where it is put and all others at x.
+  double energy_by_vertex(std::span<const Vec3> x, Index v, const Vec3& at) const;
+
  private:
   struct Triangle {
     ClothTriangle piece;
@@ -42,6 +47,7 @@ class ClothTerms {
     StrainDamping<2> damping;
   };
 
+  int place_of(Index term, Index vertex) const;
   template <typename Visit>
   void visit(Index term, std::span<const Vec3> x, const Visit& visit) const;
 

@@ -335,6 +335,7 @@ void IncrementalPotential::add_terms_by_vertex(std::span<const Vec3> x, Index v,
 VertexDerivatives IncrementalPotential::by_vertex(std::span<const Vec3> x, Index v) const {
   VertexDerivatives sum = inertia_by_vertex(x, v);
   for (const Index e : model_.mesh.vertex_elements(v)) add_element_by_vertex(x, e, v, sum);
+  cloth_.add_by_vertex(x, v, sum);
   add_terms_by_vertex(x, v, {}, sum);
   return sum;
 }

@@ -51,7 +51,8 @@ class IncrementalPotential {
 
   /// Gradient and Hessian by one vertex that is free.
   VertexDerivatives by_vertex(std::span<const Vec3> x, Index v) const;
-  /// Its parts, in their order: inertia, each element of the vertex, and springs, damping of springs and contacts.
+  /// Its parts, in their order: inertia, each element of the vertex, cloth(), and springs, damping of springs and
+  /// contacts.
   VertexDerivatives inertia_by_vertex(std::span<const Vec3> x, Index v) const;
   void add_element_by_vertex(std::span<const Vec3> x, Index element, Index v, VertexDerivatives& sum) const;
   /// @param colours  (n_vertices) of all vertices that are moved at the same time as v, or empty: v alone. A term that
@@ -60,6 +61,7 @@ class IncrementalPotential {
   void add_terms_by_vertex(std::span<const Vec3> x, Index v, std::span<const Index> colours,
                            VertexDerivatives& sum) const;
 
+  const ClothTerms& cloth() const { return cloth_; }
   bool is_free(Index v) const { return masses_[v] > 0; }
   /// Mass over the squared step, 0 for held vertices [N/m].
   double inertia(Index v) const { return masses_[v]; }

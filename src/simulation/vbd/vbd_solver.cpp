@@ -1,13 +1,11 @@
 #include "core/parallel.h"
 #include "core/timed.h"
-#include "selvage/core/error.h"
 #include "selvage/simulation/vbd.h"
 #include "simulation/implicit/implicit_step.h"
 #include "simulation/time_step/check_input.h"
 #include "simulation/vbd/vertex_colours.h"
 #include "simulation/vbd/vertex_stars.h"
 
-#include <fmt/format.h>
 #include <Eigen/Cholesky>
 
 namespace selvage {
@@ -18,12 +16,26 @@ namespace {
 constexpr std::int64_t kSweepGrain = 64;
 constexpr Index kSumsAtOnce = 32;
 
-const Model& without_cloth(const Model& model) {
-  for (const Body& body : model.bodies)
-    if (body.is_cloth())
-      throw Error(fmt::format("body '{}'", body.name), "is cloth, which the solver vbd does not know",
-                  "use the solver xpbd or newton");
-  return model;
+/// Times that a step of a vertex of cloth is halved.
+constexpr int kHalvings = 8;
+/// Part of an energy that is rounding.
+constexpr double kEnergyRounding = 1e-13;
+
+/// The part of a step of a vertex with which the energy falls. All but cloth is at most the quadratic form of its
+/// derivatives, which falls along all of the step; cloth is not convex where it is pressed.
+/// @param cloth  derivatives of the cloth of v, a part of `all`
+/// @param step   against which v moves: hessian^-1 gradient of `all`
+double find_share(const ClothTerms& terms, std::span<const Vec3> x, Index v, const VertexDerivatives& all,
+                  const VertexDerivatives& cloth, const Vec3& step) {
+  const double slope = all.gradient.dot(step), cloth_slope = cloth.gradient.dot(step),
+               cloth_curvature = step.dot(cloth.hessian * step), before = terms.energy_by_vertex(x, v, x[v]);
+  double share = 1;
+  for (int i = 0; i < kHalvings && share * slope > kEnergyRounding * before; ++i, share /= 2) {
+    const double after = terms.energy_by_vertex(x, v, x[v] - share * step),
+                 others = -share * (slope - cloth_slope) + share * share / 2 * (slope - cloth_curvature);
+    if (after - before + others <= 0) break;
+  }
+  return share;
 }
 
 }  // namespace
@@ -38,8 +50,8 @@ struct VbdSolver::Parts {
   Parts(const Model& model, const State& initial, std::vector<Handle> handles, std::span<const Collider> colliders,
         const VbdOptions& o)
       : options(o),
-        implicit(without_cloth(model), initial, std::move(handles), colliders, options),
-        colours(colour_vertices(model.mesh)),
+        implicit(model, initial, std::move(handles), colliders, options),
+        colours(colour_vertices(model)),
         stars(model, colours) {
     check_option(options.iterations > 0, "iterations", options.iterations, "of at least 1");
     check_option(options.residual >= 0, "residual", options.residual, "that is not negative");
@@ -71,9 +83,17 @@ struct VbdSolver::Parts {
       const Index v = colours.vertices[i];
       moved[i] = x[v];
       if (!potential.is_free(v)) continue;
-      const VertexDerivatives own = stars.derivatives(potential, x, i, sums[i - first]);
+      VertexDerivatives own = stars.derivatives(potential, x, i, sums[i - first]);
+      const bool is_cloth = !potential.cloth().terms_of(v).empty();
+      VertexDerivatives cloth{Eigen::Vector3d::Zero(), Eigen::Matrix3d::Zero()};
+      if (is_cloth) {
+        potential.cloth().add_by_vertex(x, v, cloth);
+        own.gradient += cloth.gradient;
+        own.hessian += cloth.hessian;
+      }
       const Eigen::Vector3d step = own.hessian.llt().solve(own.gradient);
-      if (step.allFinite()) moved[i] -= step;
+      if (!step.allFinite()) continue;
+      moved[i] -= is_cloth ? find_share(potential.cloth(), x, v, own, cloth, step) * step : step;
     }
   }
 
