@@ -87,14 +87,16 @@ struct Apart {
 
 Apart compare_steps(const Model& model, State start, const std::vector<Handle>& handles, double time_step, int steps) {
   State by_vbd = start, by_newton = start;
-  VbdSolver vbd(model, start, handles, {}, vbd_without_contact(time_step, 4000));
+  VbdOptions options = vbd_without_contact(time_step, 5000);
+  options.residual = 1e-9;
+  VbdSolver vbd(model, start, handles, {}, options);
   NewtonSolver newton(model, start, handles, {}, exact_newton(time_step));
   Apart apart;
   for (int i = 0; i < steps; ++i) {
     vbd.step(by_vbd);
     newton.step(by_newton);
   }
-  EXPECT_LT(vbd.statistics().residual, 1e-8);
+  EXPECT_LE(vbd.statistics().residual, 1e-9);
   for (std::size_t v = 0; v < by_vbd.positions.size(); ++v) {
     apart.worst = std::max(apart.worst, (by_vbd.positions[v] - by_newton.positions[v]).norm());
     apart.moved = std::max(apart.moved, (by_vbd.positions[v] - start.positions[v]).norm());
@@ -108,7 +110,7 @@ TEST(VbdCloth, SagsAsByNewtonsMethod) {
     const Model model = make_sheets({make_cloth(1, 1, 0.125)}, material);
     const auto corners = [](const Vec3& p) { return std::abs(p[0] - 0.5) > 0.49 && std::abs(p[1] - 0.5) > 0.49; };
     const Apart apart =
-        compare_steps(model, make_state(model, model.rest_positions), {hold(model, corners)}, 1.0 / 60, 10);
+        compare_steps(model, make_state(model, model.rest_positions), {hold(model, corners)}, 1.0 / 60, 5);
     EXPECT_GT(apart.moved, 0.05);
     EXPECT_LT(apart.worst, 1e-6);
   }

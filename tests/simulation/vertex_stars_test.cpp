@@ -50,8 +50,9 @@ void compare_with_one_by_one(const Model& model, std::span<const Vec3> x) {
     EXPECT_EQ(std::memcmp(sums.data(), first.data(), sizeof(StarSums) * sums.size()), 0) << variant.name;
   }
   for (Index i = 0; i < count; ++i) {
+    VertexDerivatives quadratic;
     const VertexDerivatives one_by_one = potential.by_vertex(x, colours.vertices[i]),
-                            together = stars.derivatives(potential, x, i, first[i]);
+                            together = stars.derivatives(potential, x, i, first[i], quadratic);
     const double size = one_by_one.hessian.norm();
     EXPECT_LT((together.hessian - one_by_one.hessian).norm(), 1e-12 * size) << i;
     EXPECT_LT((together.gradient - one_by_one.gradient).norm(), 1e-12 * size) << i;
@@ -119,7 +120,8 @@ TEST(VertexStars, LowerTheEnergyOfContactsBetweenVerticesThatMoveTogether) {
     StarSums sums;
     stars.sum(i, i + 1, &sums);
     const Index v = colours.vertices[i];
-    const VertexDerivatives bounded = stars.derivatives(potential, model.rest_positions, i, sums),
+    VertexDerivatives quadratic;
+    const VertexDerivatives bounded = stars.derivatives(potential, model.rest_positions, i, sums, quadratic),
                             own = potential.by_vertex(model.rest_positions, v);
     together[v] -= bounded.hessian.llt().solve(bounded.gradient);
     alone[v] -= own.hessian.llt().solve(own.gradient);

@@ -18,10 +18,11 @@ struct VbdOptions : StepOptions {
 /// Deformable bodies in time: backward Euler by vertex block descent, with the contacts of SPB.
 ///
 /// The same incremental potential as NewtonSolver's, minimised vertex by vertex: each moves by one Newton step of its
-/// own, with all others held. Vertices of one colour share no element and are moved at the same time; contacts between
-/// them see where they were before, and count as so much stiffer that this cannot raise their energy. A sweep costs
-/// little and is never unstable, but what is far away is felt only after many: stiff bodies look softer than they are.
-/// For exact answers use NewtonSolver.
+/// own, with all others held, or at cloth and contacts by the part of it with which the energy falls. Vertices of one
+/// colour share no element, triangle or hinge of cloth and are moved at the same time; contacts between them see where
+/// they were before, and count as so much stiffer that this cannot raise their energy. A sweep costs little and is
+/// never unstable, but what is far away is felt only after many: stiff bodies look softer than they are. For exact
+/// answers use NewtonSolver.
 ///
 /// The result is the same, bit for bit, for any number of threads.
 /// Source: Chen, Liu, Yang, Yuksel 2024, Vertex block descent; without its acceleration.

@@ -214,8 +214,7 @@ void IncrementalPotential::find_gradient(std::span<const Vec3> x, Eigen::VectorX
     }
     for (const Index t : terms_of(v)) {
       const OffsetTerm& term = terms_[t];
-      const auto place = std::find(term.vertices.begin(), term.vertices.begin() + term.count, v);
-      sum += term.weights[place - term.vertices.begin()] * term.derivatives(term.offset(x)).gradient;
+      sum += term.weights[term.place_of(v)] * term.derivatives(term.offset(x)).gradient;
     }
     gradient.segment<3>(3 * i) = sum;
   });
@@ -275,7 +274,7 @@ bool IncrementalPotential::assemble(std::span<const Vec3> x, bool exact, Eigen::
     add_cloth_row(v, matrix, sum);
     for (const Index t : terms_of(v)) {
       const OffsetTerm& term = terms_[t];
-      const auto i = std::find(term.vertices.begin(), term.vertices.begin() + term.count, v) - term.vertices.begin();
+      const int i = term.place_of(v);
       sum += term.weights[i] * term_derivatives_[t].gradient;
       for (int j = 0; j < term.count; ++j)
         if (is_free(term.vertices[j]))
@@ -317,19 +316,38 @@ void IncrementalPotential::add_element_by_vertex(std::span<const Vec3> x, Index 
   });
 }
 
+/// Of vertex i of a term and all others of it that move at the same time.
+double IncrementalPotential::weight_with_colour(const OffsetTerm& term, int i, std::span<const Index> colours) const {
+  double together = std::abs(term.weights[i]);
+  for (int j = 0; j < term.count && !colours.empty(); ++j)
+    if (j != i && colours[term.vertices[j]] == colours[term.vertices[i]] && is_free(term.vertices[j]))
+      together += std::abs(term.weights[j]);
+  return together;
+}
+
 void IncrementalPotential::add_terms_by_vertex(std::span<const Vec3> x, Index v, std::span<const Index> colours,
                                                VertexDerivatives& sum) const {
   for (const Index t : terms_of(v)) {
     const OffsetTerm& term = terms_[t];
-    const auto i = std::find(term.vertices.begin(), term.vertices.begin() + term.count, v) - term.vertices.begin();
+    const int i = term.place_of(v);
     const OffsetTerm::Derivatives own = term.derivatives(term.offset(x));
     sum.gradient += term.weights[i] * own.gradient;
-    double together = std::abs(term.weights[i]);
-    for (int j = 0; j < term.count && !colours.empty(); ++j)
-      if (j != i && colours[term.vertices[j]] == colours[v] && is_free(term.vertices[j]))
-        together += std::abs(term.weights[j]);
-    sum.hessian += std::abs(term.weights[i]) * together * own.hessian;
+    sum.hessian += std::abs(term.weights[i]) * weight_with_colour(term, i, colours) * own.hessian;
   }
+}
+
+double IncrementalPotential::terms_energy_by_vertex(std::span<const Vec3> x, Index v, std::span<const Index> colours,
+                                                    const Vec3& at) const {
+  double sum = 0;
+  for (const Index t : terms_of(v)) {
+    const OffsetTerm& term = terms_[t];
+    const int i = term.place_of(v);
+    const double weight = term.weights[i], together = weight_with_colour(term, i, colours);
+    if (weight == 0) continue;
+    const double share = std::abs(weight) / together;
+    sum += share * term.energy(term.offset(x) + weight / share * (at - x[v]));
+  }
+  return sum;
 }
 
 VertexDerivatives IncrementalPotential::by_vertex(std::span<const Vec3> x, Index v) const {

@@ -38,6 +38,12 @@ struct OffsetTerm {
   bool is_spring() const { return length >= 0; }
   std::span<const Index> vertex_span() const { return {vertices.data(), static_cast<std::size_t>(count)}; }
 
+  /// Where a vertex of the term stands in it.
+  int place_of(Index vertex) const {
+    int place = 0;
+    while (vertices[place] != vertex) ++place;
+    return place;
+  }
   Vec3 offset(std::span<const Vec3> positions) const;
   double energy(const Vec3& u) const;
   Derivatives derivatives(const Vec3& u) const;

@@ -16,27 +16,10 @@ namespace {
 constexpr std::int64_t kSweepGrain = 64;
 constexpr Index kSumsAtOnce = 32;
 
-/// Times that a step of a vertex of cloth is halved.
+/// Times that a step of a vertex is halved.
 constexpr int kHalvings = 8;
 /// Part of an energy that is rounding.
 constexpr double kEnergyRounding = 1e-13;
-
-/// The part of a step of a vertex with which the energy falls. All but cloth is at most the quadratic form of its
-/// derivatives, which falls along all of the step; cloth is not convex where it is pressed.
-/// @param cloth  derivatives of the cloth of v, a part of `all`
-/// @param step   against which v moves: hessian^-1 gradient of `all`
-double find_share(const ClothTerms& terms, std::span<const Vec3> x, Index v, const VertexDerivatives& all,
-                  const VertexDerivatives& cloth, const Vec3& step) {
-  const double slope = all.gradient.dot(step), cloth_slope = cloth.gradient.dot(step),
-               cloth_curvature = step.dot(cloth.hessian * step), before = terms.energy_by_vertex(x, v, x[v]);
-  double share = 1;
-  for (int i = 0; i < kHalvings && share * slope > kEnergyRounding * before; ++i, share /= 2) {
-    const double after = terms.energy_by_vertex(x, v, x[v] - share * step),
-                 others = -share * (slope - cloth_slope) + share * share / 2 * (slope - cloth_curvature);
-    if (after - before + others <= 0) break;
-  }
-  return share;
-}
 
 }  // namespace
 
@@ -83,18 +66,31 @@ struct VbdSolver::Parts {
       const Index v = colours.vertices[i];
       moved[i] = x[v];
       if (!potential.is_free(v)) continue;
-      VertexDerivatives own = stars.derivatives(potential, x, i, sums[i - first]);
-      const bool is_cloth = !potential.cloth().terms_of(v).empty();
-      VertexDerivatives cloth{Eigen::Vector3d::Zero(), Eigen::Matrix3d::Zero()};
-      if (is_cloth) {
-        potential.cloth().add_by_vertex(x, v, cloth);
-        own.gradient += cloth.gradient;
-        own.hessian += cloth.hessian;
-      }
+      VertexDerivatives quadratic;
+      const VertexDerivatives own = stars.derivatives(potential, x, i, sums[i - first], quadratic);
       const Eigen::Vector3d step = own.hessian.llt().solve(own.gradient);
-      if (!step.allFinite()) continue;
-      moved[i] -= is_cloth ? find_share(potential.cloth(), x, v, own, cloth, step) * step : step;
+      if (step.allFinite()) moved[i] -= find_share(potential, x, v, quadratic, step) * step;
     }
+  }
+
+  /// The part of a vertex's step, which goes against `step`, with which the energy falls: cloth that is pressed is not
+  /// convex in a vertex, and a contact may begin on the way.
+  double find_share(const IncrementalPotential& potential, std::span<const Vec3> x, Index v,
+                    const VertexDerivatives& quadratic, const Vec3& step) const {
+    const bool has_cloth = !potential.cloth().terms_of(v).empty();
+    if (!has_cloth && potential.terms_of(v).empty()) return 1;
+    const auto energy_at = [&](const Vec3& at) {
+      const double cloth = has_cloth ? potential.cloth().energy_by_vertex(x, v, at) : 0;
+      return cloth + potential.terms_energy_by_vertex(x, v, colours.of_vertex, at);
+    };
+    const double before = energy_at(x[v]), slope = quadratic.gradient.dot(step),
+                 curvature = step.dot(quadratic.hessian * step);
+    double share = 1;
+    for (int i = 0; i < kHalvings; ++i, share /= 2) {
+      const double change = energy_at(x[v] - share * step) - before - share * slope + share * share / 2 * curvature;
+      if (change <= kEnergyRounding * before) break;
+    }
+    return share;
   }
 
   void minimize(IncrementalPotential& potential, bool is_guess, std::vector<Vec3>& x) {

@@ -76,7 +76,7 @@ void VertexStars::sum_best(const StarTask& task, Index first, Index last, StarSu
 }
 
 VertexDerivatives VertexStars::derivatives(const IncrementalPotential& potential, std::span<const Vec3> x, Index i,
-                                           const StarSums& sums) const {
+                                           const StarSums& sums, VertexDerivatives& quadratic) const {
   const Index v = colours_.vertices[i];
   VertexDerivatives sum = potential.inertia_by_vertex(x, v);
   sum.gradient += Eigen::Map<const Eigen::Vector3d>(sums.gradient);
@@ -86,6 +86,8 @@ VertexDerivatives VertexStars::derivatives(const IncrementalPotential& potential
   sum.hessian += hessian;
   for (std::int64_t n = first_others_[i]; n < first_others_[i + 1]; ++n)
     potential.add_element_by_vertex(x, others_[n], v, sum);
+  quadratic = sum;
+  potential.cloth().add_by_vertex(x, v, sum);
   potential.add_terms_by_vertex(x, v, colours_.of_vertex, sum);
   return sum;
 }

@@ -23,10 +23,12 @@ class VertexStars {
   /// Sums over the batched elements of vertices[first] to before vertices[last], at the positions taken.
   void sum(Index first, Index last, StarSums* sums) const { sum_best(task(), first, last, sums); }
 
-  /// As IncrementalPotential::by_vertex() of vertices[i], but without cloth, for a step in which all of its colour
-  /// move: where contacts join vertices of one colour, the Hessian is larger, so that they do not run past one another.
+  /// As IncrementalPotential::by_vertex() of vertices[i], for a step in which all of its colour move: where contacts
+  /// join vertices of one colour, the Hessian is larger, so that they do not run past one another.
+  /// @param quadratic  the part of inertia and elements: of those that are not damped all that there is, as they are
+  ///                   quadratic in one vertex
   VertexDerivatives derivatives(const IncrementalPotential& potential, std::span<const Vec3> x, Index i,
-                                const StarSums& sums) const;
+                                const StarSums& sums, VertexDerivatives& quadratic) const;
 
   StarTask task() const { return {rows_.data(), own_rows_.data(), batches_.data(), first_batches_.data()}; }
   /// By the best kernel of this processor.
