@@ -111,7 +111,7 @@ TEST(VbdCloth, SagsAsByNewtonsMethod) {
     const auto corners = [](const Vec3& p) { return std::abs(p[0] - 0.5) > 0.49 && std::abs(p[1] - 0.5) > 0.49; };
     const Apart apart =
         compare_steps(model, make_state(model, model.rest_positions), {hold(model, corners)}, 1.0 / 60, 5);
-    EXPECT_GT(apart.moved, 0.05);
+    EXPECT_GT(apart.moved, 0.03);
     EXPECT_LT(apart.worst, 1e-6);
   }
 }
@@ -182,7 +182,7 @@ TEST(VbdCloth, SurvivesAViolentStartAndLosesEnergy) {
       options.gravity.setZero();
       VbdSolver solver(model, state, {}, {}, options);
       const double before = kinetic_energy(model, state);
-      for (int i = 0; i < 100; ++i) solver.step(state);
+      for (int i = 0; i < 40; ++i) solver.step(state);
       EXPECT_LT(kinetic_energy(model, state), 0.5 * before) << time_step;
       for (const Vec3& p : state.positions) EXPECT_TRUE(p.allFinite());
     }
@@ -235,7 +235,8 @@ TEST(VbdCloth, SheetsLieOnOneAnotherOnABlockOfElements) {
   EXPECT_GT(height(1), -0.25);
 }
 
-/// Two strips that fly at one another, turned and jittered at random.
+/// Strips and squares that fly at one another, turned and jittered at random; sweeps are few and steps are long, so
+/// that the gate at the end of a step has something to hold back.
 void expect_nothing_meets(std::uint64_t seed, std::int64_t& met, std::int64_t& held) {
   test::Random random(seed);
   std::vector<IndexedMesh> meshes;
@@ -259,8 +260,9 @@ void expect_nothing_meets(std::uint64_t seed, std::int64_t& met, std::int64_t& h
   }
   const ClothJudge judge(model);
   if (!judge.is_free(state)) return;
-  VbdSolver solver(model, state, {}, {Collider{PlaneShape{{0, 0, -1}, Vec3::UnitZ()}, {}, {}}},
-                   guaranteed_vbd(1.0 / 300));
+  VbdOptions options = guaranteed_vbd(random.below(2) == 0 ? 1.0 / 300 : 1.0 / 60);
+  options.iterations = 1 + static_cast<int>(random.below(5));
+  VbdSolver solver(model, state, {}, {Collider{PlaneShape{{0, 0, -1}, Vec3::UnitZ()}, {}, {}}}, options);
   expect_free_steps(judge, solver, state, 30, seed, met, held);
 }
 
@@ -268,7 +270,7 @@ TEST(VbdCloth, NothingMeetsWhateverFliesAtWhat) {
   std::int64_t met = 0, held = 0;
   for (std::uint64_t seed = 1; seed <= 30; ++seed) expect_nothing_meets(seed, met, held);
   EXPECT_GT(met, 20);
-  EXPECT_GT(held, 20);
+  EXPECT_GT(held, 0);
 }
 
 TEST(VbdCloth, IsTheSameBitsForAnyNumberOfThreadsAndWhenContinued) {
