@@ -1,0 +1,101 @@
+"""The same small scenes by each solver with its defaults: what a frame costs, what crosses on the way and at the end, how
+fast things still move when they should be at rest. See README.md."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import platform
+import resource
+import tempfile
+from typing import Any
+
+import selvage
+
+SOLVERS = ("xpbd", "newton", "vbd")
+FLOOR = {"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}
+
+
+def solid(modulus: float, density: float) -> dict[str, Any]:
+    """A material."""
+    return {"youngs_modulus": modulus, "poisson_ratio": 0.4, "density": density}
+
+
+def scenes() -> dict[str, dict[str, Any]]:
+    """All end at rest on a floor."""
+    ball = {"shape": "ball", "radius": 0.2, "cell": 0.08}
+    cube = {"shape": "box", "size": [0.4, 0.4, 0.4], "cell": 0.1}
+    sheet = {"shape": "cloth", "size": [1, 1, 0], "cell": 0.05}
+    grid = {"counts": [2, 2, 2], "spacing": [0.41, 0.41, 0.45]}
+    return {
+        "eight soft balls fall into a box": {
+            "bodies": [
+                {
+                    "mesh": ball,
+                    "translate": [-0.2, -0.2, 0.25],
+                    "instances": {"grid": grid, "jitter": {"translate": 0.005, "degrees": 30, "seed": 1}},
+                    "material": solid(5e4, 1000),
+                }
+            ],
+            "colliders": [{"box": {"min": [-0.45, -0.45, 0], "max": [0.45, 0.45, 3]}}],
+        },
+        "a cube of 1,500 kg/m3 on two of 200": {
+            "bodies": [
+                {"mesh": cube, "translate": [0, 0, 0.01], "material": solid(2e5, 200)},
+                {"mesh": cube, "translate": [0.02, 0.01, 0.42], "material": solid(2e5, 200)},
+                {"mesh": cube, "translate": [0, 0.02, 0.83], "material": solid(2e5, 1500)},
+            ],
+            "colliders": [FLOOR],
+        },
+        "three sheets on a ball": {
+            "bodies": [
+                {
+                    "mesh": sheet,
+                    "translate": [-0.5, -0.5, 0.52],
+                    "instances": {"grid": {"counts": [1, 1, 3], "spacing": [0, 0, 0.03]}},
+                    "material": {"kind": "cloth", "bending": 1e-5, "thickness": 0.004},
+                }
+            ],
+            "colliders": [FLOOR, {"sphere": {"centre": [0, 0, 0.25], "radius": 0.25}}],
+        },
+    }
+
+
+def cpu_seconds() -> float:
+    """User time of this process, all threads."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_utime
+
+
+def row(scene: dict[str, Any], solver: str, frames: int) -> str:
+    """Runs a scene on one thread. Nothing may sleep: that would hide what trembles."""
+    with tempfile.TemporaryDirectory() as folder, selvage.threads(1):
+        made = {"selvage_scene": 1, "solver": solver, "sleep_speed": 0, **scene}
+        begin = cpu_seconds()
+        run = selvage.simulate(made, folder, frames=frames)
+        cost = (cpu_seconds() - begin) / frames
+        s = run.statistics
+        last = max(1, frames // 6)
+        residual = f"{s['residual'][-last:].max():.2g}" if solver != "xpbd" else ""
+        return (
+            f"| {solver} | {cost:.3f} | {s['triangle_pairs'].max():.0f} | {s['triangle_pairs'][-1]:.0f} "
+            f"| {s['fastest'][-last:].max():.4f} | {s['kinetic_energy'][-last:].mean():.2g} | {residual} |"
+        )
+
+
+def main() -> None:
+    """Prints a table a scene."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--frames", type=int, default=180, help="of 1/60 s; the last sixth counts as at rest")
+    frames = parser.parse_args().frames
+    print(f"Python {platform.python_version()}, {platform.processor() or platform.machine()}, {os.cpu_count()} cores")
+    print(f"selvage {selvage.__version__}, {frames} frames, one thread")
+    for name, scene in scenes().items():
+        print(f"\n{name}:\n")
+        print("| solver | user CPU [s/frame] | most pairs | pairs at the end | fastest at rest [m/s] | energy of it [J] | residual [m] |")
+        print("| --- | --- | --- | --- | --- | --- | --- |")
+        for solver in SOLVERS:
+            print(row(scene, solver, frames), flush=True)
+
+
+if __name__ == "__main__":
+    main()
