@@ -275,7 +275,7 @@ TEST(VbdCloth, NothingMeetsWhateverFliesAtWhat) {
 
 TEST(VbdCloth, IsTheSameBitsForAnyNumberOfThreadsAndWhenContinued) {
   const Model model =
-      make_sheets({make_cloth(1, 1, 0.05), moved(make_cloth(1, 1, 0.05), {0.1, 0, 0.02})}, cloth(0.002));
+      make_sheets({make_cloth(1, 1, 0.08), moved(make_cloth(1, 1, 0.08), {0.1, 0, 0.02})}, cloth(0.002));
   const auto run = [&](std::size_t threads, int restart) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     const State initial = make_state(model, model.rest_positions);
