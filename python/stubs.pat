@@ -7,6 +7,6 @@ selvage._native.__prefix__:
     from numpy.typing import ArrayLike
 
     from selvage._results import (
-        ClosestPoints, Contacts, ContinuousPairs, Floats, Ints, LocatedPoints, NearPairs, PathQueries, Paths,
+        ClosestPoints, Codes, Contacts, ContinuousPairs, Floats, Ints, LocatedPoints, NearPairs, PathQueries, Paths,
         SignedDistances, TrianglePairs,
     )

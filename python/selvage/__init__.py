@@ -19,21 +19,25 @@ from selvage import _native
 from selvage._errors import Error, SystemError
 from selvage._functions import (
     PenetratingPaths,
-    Resolved,
     closest_points,
+    collisions_between,
     continuous_collisions,
     free_step,
     has_self_collisions,
     near_pairs,
-    resolve,
     self_collisions,
     shortest_paths,
     signed_distance,
 )
+from selvage._geometry import impact_times, triangle_contacts
+from selvage._marked_files import write_coloured_ply, write_vtu
 from selvage._meshes import (
     as_mesh,
     boundary_faces,
+    join,
     make,
+    pose,
+    read_groups,
     read_mesh,
     to_meshio,
     to_pyvista,
@@ -55,6 +59,9 @@ from selvage._native import (
     TetMesh,
     TriangleMesh,
     culling_methods,
+    holds_tetrahedra,
+    orient2d,
+    orient3d,
     pose_names,
     sequence_names,
     shape_names,
@@ -78,6 +85,7 @@ from selvage._results import (
     TrianglePairs,
 )
 from selvage._scenes import Run, Simulation, read_scene, simulate
+from selvage._untangling import Resolved, resolve
 
 __version__ = _native.version
 
@@ -118,14 +126,22 @@ __all__ = [
     "as_mesh",
     "boundary_faces",
     "closest_points",
+    "collisions_between",
     "continuous_collisions",
     "culling_methods",
     "free_step",
     "has_self_collisions",
+    "holds_tetrahedra",
+    "impact_times",
+    "join",
     "make",
     "near_pairs",
+    "orient2d",
+    "orient3d",
     "picture",
+    "pose",
     "pose_names",
+    "read_groups",
     "read_mesh",
     "read_scene",
     "resolve",
@@ -139,7 +155,10 @@ __all__ = [
     "to_meshio",
     "to_pyvista",
     "to_trimesh",
+    "triangle_contacts",
+    "write_coloured_ply",
     "write_mesh",
+    "write_vtu",
 ]
 
 # In a notebook.

@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from selvage import _native
@@ -95,6 +96,50 @@ def has_self_collisions(
     return SelfCollisionFinder(
         as_surface(*mesh), method=method, adjacent=adjacent, asked_once=True, filters=filters, thickness=thickness
     ).has_pairs()
+
+
+def collisions_between(
+    mesh: Any, other: Any, *, thickness: float = 0.0, progress: Progress | None = None
+) -> TrianglePairs:
+    """All pairs of a triangle of one mesh and a triangle of another that meet, as of a garment and a body.
+
+    As `selvage check --against`: none within either mesh. For steps and for distances `join` the two.
+
+    Parameters
+    ----------
+    mesh, other : meshes
+        What `as_mesh` takes as one argument; of tetrahedra the boundary.
+    thickness : float
+        Pairs count that are nearer than this [m].
+    progress : function, optional
+        Called during the search with the share that is done, on any thread.
+
+    Returns
+    -------
+    TrianglePairs
+        The first number of a pair is of `mesh`, the second of `other`.
+
+    Raises
+    ------
+    selvage.Error
+        When an argument is no mesh, a position is not finite, or the thickness is negative.
+
+    Examples
+    --------
+    >>> ball, rod = selvage.make("ball", radius=0.5, cell=0.2), selvage.make("rod", radius=0.1, cell=0.1)
+    >>> pairs = selvage.collisions_between(ball, rod)
+    >>> len(pairs) > 0, bool(pairs.triangles[:, 0].max() < len(ball.boundary_faces))
+    (True, True)
+    """
+    first, second = as_surface(mesh), as_surface(other)
+    half = None if thickness == 0 else [np.full(len(m.V), thickness / 2) for m in (first, second)]
+    finder, against = (
+        SelfCollisionFinder(
+            m, method="bvh", asked_once=True, thickness=None if half is None else half[i], progress=progress
+        )
+        for i, m in enumerate((first, second))
+    )
+    return finder.find_pairs_with(against)
 
 
 def continuous_collisions(
@@ -333,86 +378,3 @@ def shortest_paths(*mesh: Any, progress: Progress | None = None) -> PenetratingP
     queries = finder.find_penetrating_vertices()
     paths = finder.find_paths(queries.points, queries.elements, sources=queries.sources, progress=progress)
     return PenetratingPaths(queries, paths)
-
-
-@dataclasses.dataclass(frozen=True)
-class Resolved:
-    """What `resolve` made of a mesh.
-
-    Attributes
-    ----------
-    V : (n, 3) float64
-        Positions [m]; moved, also where the mesh is not resolved.
-    outcome : str
-        'resolved', 'stuck', 'gave-up' or 'held' (pinned elements collide: nothing was moved).
-    report : dict
-        `iterations` (one dict each), `tangled_elements`, `holding_vertices`, `moved_vertices`, displacements [m] and
-        volumes [m^3].
-    """
-
-    V: Floats
-    outcome: str
-    report: dict[str, Any]
-
-    @property
-    def is_free(self) -> bool:
-        """Whether nothing meets, nothing penetrates, and no element is inverted."""
-        return self.outcome == "resolved"
-
-
-def resolve(
-    *mesh: Any,
-    rest: ArrayLike | None = None,
-    pinned: ArrayLike | None = None,
-    max_displacement: float | None = None,
-    clearance: float = 0.05,
-    max_iterations: int = 2000,
-    patience: int = 60,
-    progress: Callable[[dict[str, Any]], object] | None = None,
-) -> Resolved:
-    """Moves a tangled mesh, at rest, to a state without self-collision.
-
-    Parameters
-    ----------
-    mesh : V and T, or a mesh of tetrahedra
-        As `shortest_paths`.
-    rest : (n, 3) array, optional
-        Shape without stress [m]; else the input.
-    pinned : (k,) array of whole numbers, optional
-        Vertices that must stay where they are.
-    max_displacement : float, optional
-        Of each vertex [m].
-    clearance : float
-        How close surfaces that met may come again, as a part of the boundary's mean edge length.
-    max_iterations, patience : int
-        Iterations in all, and those without progress after which the mesh counts as stuck.
-    progress : function, optional
-        Called before each iteration with its row of the report.
-
-    Returns
-    -------
-    Resolved
-
-    Raises
-    ------
-    selvage.Error
-        When sizes differ, a position is not finite, an element is not positive at rest, or an option is impossible.
-
-    Notes
-    -----
-    Chen, Diaz, Yuksel 2023, section 5.2.
-
-    Examples
-    --------
-    >>> mesh = selvage.make("rod", cell=0.1, pose="self-crossing", crossings=1)
-    >>> selvage.has_self_collisions(mesh)
-    True
-    >>> free = selvage.resolve(mesh)
-    >>> free.outcome, selvage.has_self_collisions(free.V, mesh.T)
-    ('resolved', False)
-    """
-    V, report = _native.resolve_arrays(
-        as_solid(*mesh), rest=rest, pinned=pinned, max_displacement=max_displacement, clearance=clearance,
-        max_iterations=max_iterations, patience=patience, progress=progress,
-    )  # fmt: skip
-    return Resolved(V, report.pop("outcome"), report)

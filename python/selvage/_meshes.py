@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from typing import Any, Literal, TypeAlias, overload
 
 import numpy as np
@@ -17,6 +18,10 @@ Path: TypeAlias = "str | os.PathLike[str]"
 Mesh: TypeAlias = "TetMesh | TriangleMesh"
 
 _VTK_TETRA = 10
+_SHAPE_KEYS = {
+    "cell", "elements", "size", "length", "radius", "inner_radius", "tentacles", "teeth", "seed", "slenderness",
+}  # fmt: skip
+_POSE_KEYS = {"axis", "turns", "angle", "crossings", "core", "offset"}
 
 
 def _mesh_of(where: object, V: Floats, F: Ints, T: Ints) -> Mesh:
@@ -27,18 +32,22 @@ def _mesh_of(where: object, V: Floats, F: Ints, T: Ints) -> Mesh:
     raise Error(f"{where}: there is neither a tetrahedron nor a triangle; give a mesh with either")
 
 
-def read_mesh(path: Path) -> Mesh:
+def read_mesh(path: Path, *, weld: bool = False) -> Mesh:
     """Reads a mesh file.
 
     Parameters
     ----------
     path : path
         .obj .ply .stl .off .t .node .ele .mesh .msh .vtk .vtu, ASCII or binary.
+    weld : bool
+        Of a surface: join vertices that are in one place, as those of an STL file. `TriangleMesh.weld` also says which
+        triangles are left.
 
     Returns
     -------
     TetMesh or TriangleMesh
-        Of the tetrahedra where the file has any, else of the triangles. Vertices keep their order, never merged.
+        Of the tetrahedra where the file has any, else of the triangles. Vertices keep their order, and are merged by
+        `weld` alone.
 
     Raises
     ------
@@ -53,7 +62,79 @@ def read_mesh(path: Path) -> Mesh:
     >>> selvage.read_mesh(path)
     selvage.TetMesh(175 vertices, 648 elements, 216 boundary faces)
     """
-    return _mesh_of(path, *_native.read_arrays(path))
+    made = _mesh_of(path, *_native.read_arrays(path))
+    if weld and isinstance(made, TetMesh):
+        raise Error(f"{os.fspath(path)}: is of tetrahedra, which are not welded; leave out weld")
+    return made.weld()[0] if weld and isinstance(made, TriangleMesh) else made
+
+
+def read_groups(path: Path) -> tuple[Ints, list[str]]:
+    """Groups of the triangles of an OBJ file: its objects (`o`) and groups (`g`).
+
+    Parameters
+    ----------
+    path : path
+        A mesh file.
+
+    Returns
+    -------
+    (m,) int32
+        The group of each triangle, -1: in none; as `PairFilters(groups=...)` takes them. Empty where the file has none.
+    list of str
+        Names of the groups.
+
+    Raises
+    ------
+    selvage.Error
+        As `read_mesh`.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib
+    >>> path = pathlib.Path(tempfile.mkdtemp(), "two.obj")
+    >>> _ = path.write_text("o one\\nv 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\no other\\nf 3 2 1\\n")
+    >>> selvage.read_groups(path)
+    (array([0, 1], dtype=int32), ['one', 'other'])
+    """
+    _, groups, names = _native.read_labels(path)
+    return groups, names
+
+
+def join(*meshes: Any) -> tuple[TriangleMesh, Ints]:
+    """Surfaces as one: to ask for pairs between several objects, in a pose, near one another or during a step.
+
+    Parameters
+    ----------
+    meshes : meshes
+        What `as_mesh` takes as one argument; of tetrahedra the boundary.
+
+    Returns
+    -------
+    TriangleMesh
+        Vertices and triangles of the first, then of the next.
+    (m,) int32
+        The object of each triangle; as `PairFilters(groups=...)` it leaves out pairs within an object.
+
+    Raises
+    ------
+    selvage.Error
+        When there is no mesh, or an argument is none.
+
+    Examples
+    --------
+    >>> mesh, objects = selvage.join(selvage.make("ball", cell=0.4), selvage.make("rod", cell=0.2))
+    >>> near = selvage.near_pairs(mesh, distance=0.05, filters=selvage.PairFilters(groups=objects))
+    >>> len(near.vertex_face) > 0, len(objects) == len(mesh.F)
+    (True, True)
+    """
+    surfaces = [as_surface(mesh) for mesh in meshes]
+    if not surfaces:
+        raise Error("meshes: none was given; give one or more")
+    starts = np.cumsum([0, *(len(surface.V) for surface in surfaces)])
+    V = np.vstack([surface.V for surface in surfaces])
+    F = np.vstack([surface.F + start for surface, start in zip(surfaces, starts)])
+    objects = np.repeat(np.arange(len(surfaces), dtype=np.int32), [len(surface.F) for surface in surfaces])
+    return TriangleMesh(V, F), objects
 
 
 def write_mesh(path: Path, *mesh: Any, encoding: str = "usual") -> None:
@@ -101,14 +182,14 @@ def make(shape: str, *, pose: str | None = None, **options: Any) -> Mesh:
     Parameters
     ----------
     shape : str
-        One of `shape_names()`: box, beam, rod, trefoil, nested-knot, noodle, ball, torus, tube, squishy-ball, octopus;
-        cloth is a surface.
+        One of `shape_names()`: box, beam, rod, trefoil, nested-knot, noodle, overhand, nested-overhand, ball, torus,
+        tube, squishy-ball, octopus, gear; cloth is a surface.
     pose : str, optional
         One of `pose_names()`: twist, bend, fold, swirl, self-crossing, overlap. Deforms the mesh so that it runs into
         itself, with no element inverted.
     **options
         Of the shape, lengths in metres: `cell` or `elements`, `size`, `length`, `radius`, `inner_radius`, `tentacles`,
-        `seed`, `slenderness`; of the pose: `axis`, `turns`, `angle`, `crossings`, `core`, `offset`. What is left out
+        `teeth`, `seed`, `slenderness`; of the pose: `axis`, `turns`, `angle`, `crossings`, `core`, `offset`. What is left out
         has a default.
 
     Returns
@@ -125,16 +206,53 @@ def make(shape: str, *, pose: str | None = None, **options: Any) -> Mesh:
     >>> selvage.make("box", size=(1, 1, 1), cell=0.5)
     selvage.TetMesh(27 vertices, 48 elements, 48 boundary faces)
     """
-    shape_keys = {"cell", "elements", "size", "length", "radius", "inner_radius", "tentacles", "seed", "slenderness"}
-    pose_keys = {"axis", "turns", "angle", "crossings", "core", "offset"}
     given = {key: value for key, value in options.items() if value is not None}
-    if unknown := sorted(set(given) - shape_keys - pose_keys):
-        raise Error(f"{unknown[0]}: there is no such option; choose among {', '.join(sorted(shape_keys | pose_keys))}")
-    posing = {key: value for key, value in given.items() if key in pose_keys}
+    _expect_among(given, _SHAPE_KEYS | _POSE_KEYS)
+    posing = {key: value for key, value in given.items() if key in _POSE_KEYS}
     if posing and pose is None:
         raise Error(f"{sorted(posing)[0]}: is an option of poses, and none was named; give pose=...")
-    shaping = {key: value for key, value in given.items() if key in shape_keys}
+    shaping = {key: value for key, value in given.items() if key in _SHAPE_KEYS}
     return _mesh_of(shape, *_native.shape_arrays(shape, shaping, pose, posing))
+
+
+def _expect_among(given: Mapping[str, Any], keys: set[str]) -> None:
+    if unknown := sorted(set(given) - keys):
+        raise Error(f"{unknown[0]}: there is no such option; choose among {', '.join(sorted(keys))}")
+
+
+def pose(mesh: Any, name: str, **options: Any) -> Mesh:
+    """A mesh of your own bent, twisted or tangled, with no element inverted; as `selvage make MESH --pose`.
+
+    Parameters
+    ----------
+    mesh : mesh
+        What `as_mesh` takes as one argument.
+    name : str
+        One of `pose_names()`: twist, bend, fold, swirl, self-crossing, overlap.
+    **options
+        Of the pose: `axis`, `turns`, `angle` [rad], `crossings`, `core`, `offset` [m]. What is left out has a default
+        that tangles.
+
+    Returns
+    -------
+    TetMesh or TriangleMesh
+
+    Raises
+    ------
+    selvage.Error
+        For an unknown name, an option that the pose does not have, and when a tetrahedron would turn over.
+
+    Examples
+    --------
+    >>> bar = selvage.make("beam", size=(4, 0.4, 0.4), cell=0.2)
+    >>> selvage.has_self_collisions(selvage.pose(bar, "fold"))
+    True
+    """
+    made = as_mesh(mesh)
+    given = {key: value for key, value in options.items() if value is not None}
+    _expect_among(given, _POSE_KEYS)
+    F, T = (None, made.T) if isinstance(made, TetMesh) else (made.F, None)
+    return _mesh_of(name, *_native.posed_arrays(made.V, F, T, name, given))
 
 
 def as_mesh(*mesh: Any) -> Mesh:

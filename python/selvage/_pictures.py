@@ -57,12 +57,10 @@ def picture(
     with tempfile.TemporaryDirectory(prefix="selvage-") as name:
         folder = Path(name)
         write_mesh(folder / "mesh.vtu", solid)
-        words = ["paths", "mesh.vtu", "--quiet", "--picture", "picture.png", "--picture-size", *map(str, size)]
+        words: list[object] = ["paths", "mesh.vtu", "--picture", "picture.png", "--picture-size", *size]
         if view is not None:
-            words += ["--view", *map(str, view)]
-        done = subprocess.run([PROGRAM, *words], cwd=folder, capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            raise Error(done.stderr.removeprefix("selvage: ").strip() or "picture: cannot be drawn")
+            words += ["--view", *view]
+        run_program(*words, folder=folder)
         png = (folder / "picture.png").read_bytes()
     if file is not None:
         try:
@@ -70,6 +68,14 @@ def picture(
         except OSError as error:
             raise SystemError(f"{os.fspath(file)}: {error.strerror}") from None
     return png
+
+
+def run_program(*words: object, folder: Path | None = None) -> None:
+    """Runs the bundled program quietly; its error is raised."""
+    arguments = [PROGRAM, *(os.fspath(w) if isinstance(w, os.PathLike) else str(w) for w in words), "--quiet"]
+    done = subprocess.run(arguments, cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise Error(done.stderr.removeprefix("selvage: ").strip() or f"{words[0]}: failed")
 
 
 def small_picture(mesh: Any) -> bytes:

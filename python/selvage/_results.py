@@ -249,6 +249,7 @@ class _ContactsFields(NamedTuple):
     weights: Floats
     normal: Floats
     point: Floats
+    distance: Floats
     time: Floats
     point_feature: Ints
     surface_feature: Ints
@@ -269,6 +270,8 @@ class Contacts(_ContactsFields):
         Unit vectors out of the surface, or to the side that the point came from.
     point : (k, 3) float64
         Of the surface: the closest boundary point, or where they met [m].
+    distance : (k,) float64
+        That is kept in front of the surface, where it was there before: of thick cloth [m].
     time : (k,) float64
         Of impact, as a fraction of the step.
     point_feature, surface_feature : (k,) int32

@@ -14,9 +14,9 @@ import numpy as np
 
 from selvage import _native
 from selvage._errors import Error
-from selvage._meshes import as_solid, write_mesh
+from selvage._meshes import as_mesh, write_mesh
 from selvage._native import Scene, SceneSimulation, TetMesh, TriangleMesh
-from selvage._pictures import small_picture
+from selvage._pictures import run_program, small_picture
 from selvage._results import Floats, Ints
 
 _SceneLike = Any  # a Scene, the path of a file, or a dict
@@ -36,7 +36,7 @@ class _Text(json.JSONEncoder):
         if isinstance(o, os.PathLike):
             return os.fspath(o)
         try:
-            mesh = as_solid(o)
+            mesh = as_mesh(o)
         except Error:
             return super().default(o)
         path = self._folder / f"mesh{self._count}.vtu"
@@ -45,16 +45,21 @@ class _Text(json.JSONEncoder):
         return {"file": str(path)}
 
 
-def read_scene(scene: str | os.PathLike[str] | Mapping[str, Any], *, scale: str = "") -> Scene:
+def read_scene(
+    scene: str | os.PathLike[str] | Mapping[str, Any], *, scale: str = "", changes: Mapping[str, Any] | None = None
+) -> Scene:
     """Reads a scene file or a dict of the same form, and the meshes that it names.
 
     Parameters
     ----------
     scene : path or dict
-        In a dict, a body's `mesh` may also be a mesh object (see `as_mesh`), and lists may be arrays. Files that a
-        dict names are relative to the working folder.
+        In a dict, a body's `mesh` may also be a mesh object (see `as_mesh`), a surface for cloth, and lists may be
+        arrays. Files that a dict names are relative to the working folder.
     scale : str
         Name of a scale that the scene has; '': as it stands.
+    changes : dict, optional
+        Values in place of the scene's, after those of the scale, each under its JSON pointer: as `selvage simulate
+        --set`.
 
     Returns
     -------
@@ -70,19 +75,25 @@ def read_scene(scene: str | os.PathLike[str] | Mapping[str, Any], *, scale: str 
     >>> box = selvage.make("box", size=(0.2, 0.2, 0.2), cell=0.1)
     >>> selvage.read_scene({"selvage_scene": 1, "bodies": [{"mesh": box, "translate": [0, 0, 1]}]})
     <selvage.Scene 'scene': 1 bodies, 48 elements>
+    >>> cloth = selvage.make("cloth", size=(1, 1, 0), cell=0.25)
+    >>> scene = {"selvage_scene": 1, "bodies": [{"mesh": cloth, "material": {"kind": "cloth", "density": 0.2}}]}
+    >>> selvage.read_scene(scene, changes={"/bodies/0/material/density": 0.3})
+    <selvage.Scene 'scene': 1 bodies, 0 elements, 32 triangles of cloth>
     """
     if isinstance(scene, Mapping):
         with tempfile.TemporaryDirectory(prefix="selvage-") as folder:
             try:
                 text = _Text(Path(folder)).encode(dict(scene))
+                given = [f"{place}={_Text(Path(folder)).encode(value)}" for place, value in (changes or {}).items()]
             except TypeError as error:
                 raise Error(f"scene: {error}; give numbers, texts, lists, dicts, arrays and meshes") from None
-            return _native.scene_of_text(text, Path.cwd() / "scene.json", scale)
-    return _native.scene_of_file(scene, scale)
+            return _native.scene_of_text(text, Path.cwd() / "scene.json", scale, given)
+    given = [f"{place}={json.dumps(value)}" for place, value in (changes or {}).items()]
+    return _native.scene_of_file(scene, scale, given)
 
 
 class Simulation(SceneSimulation):
-    """A scene step by step: XPBD with the contacts of shortest paths. Scenes for other solvers run by `simulate`.
+    """A scene step by step, by the solver that it names, with the contacts of shortest paths.
 
     Parameters
     ----------
@@ -101,7 +112,8 @@ class Simulation(SceneSimulation):
     Raises
     ------
     selvage.Error
-        As `read_scene`, when a value is impossible, and when the scene is for a solver other than XPBD.
+        As `read_scene`, and when a value is impossible. With `guarantee` in the scene also when a step cannot be
+        guaranteed.
 
     Notes
     -----
@@ -132,7 +144,9 @@ def simulate(
     scale: str = "",
     vtu: bool = False,
     surface: str | None = None,
+    check_every: int = 0,
     progress: Callable[[dict[str, Any]], object] | None = None,
+    on_check: Callable[[int, dict[str, Any]], object] | None = None,
 ) -> Run:
     """Runs a scene and writes its frames, statistics and checkpoints to a folder; as `selvage simulate`.
 
@@ -152,13 +166,18 @@ def simulate(
         Also files for ParaView.
     surface : str, optional
         'ply' or 'obj': also the surface of each frame.
+    check_every : int
+        After so many frames look for what crosses, and write it to checks/; 0: never.
     progress : function, optional
         Called after each frame with its row of statistics.
+    on_check : function, optional
+        Called after each check with the frame and its crossings: `crosses`, `body_pairs`, `colliders`.
 
     Returns
     -------
     Run
-        Its `report` says how it ended.
+        Its `report` says how it ended: `outcome`, `message`, `frames` (a row each), `fingerprint`, `at_end` (the
+        crossings of the last frame), and `guaranteed_from` (the frame since which nothing has met, or None).
 
     Raises
     ------
@@ -177,8 +196,9 @@ def simulate(
     """
     made = scene if isinstance(scene, Scene) else read_scene(scene, scale=scale)
     report = _native.run_scene_to(
-        made, folder, frames=frames, resume=resume, vtu=vtu, surface=surface, progress=progress
-    )
+        made, folder, frames=frames, resume=resume, vtu=vtu, surface=surface,
+        check_every=check_every, progress=progress, on_check=on_check,
+    )  # fmt: skip
     return Run(folder, report=report)
 
 
@@ -219,7 +239,12 @@ class Run:
     vertex_bodies: Ints
     """(n,) int32: the body of each vertex."""
     boundary_faces: Ints
-    """(b, 3) int32: the boundary, outward."""
+    """(b, 3) int32: the boundary of the tetrahedra, outward, then the triangles of cloth."""
+
+    @property
+    def rest(self) -> Floats:
+        """(n, 3) float64: positions [m] of the shape at rest."""
+        return _native.read_rest_arrays(self.folder)
 
     def __len__(self) -> int:
         """Number of frames that are there, the one at the start included."""
@@ -250,11 +275,11 @@ class Run:
         return (self.frame(number) for number in range(len(self)))
 
     def mesh(self, number: int = -1) -> TetMesh:
-        """The mesh in a frame."""
+        """The tetrahedra in a frame. A run of cloth alone has none: see `surface`."""
         return TetMesh(self.frame(number), self.T)
 
     def surface(self, number: int = -1) -> TriangleMesh:
-        """The boundary in a frame."""
+        """All that is seen in a frame: the boundary of the tetrahedra, and cloth."""
         return TriangleMesh(self.frame(number), self.boundary_faces)
 
     def checkpoint(self) -> tuple[Floats, Floats, float]:
@@ -274,8 +299,48 @@ class Run:
         values: dict[str, Any] = json.loads((self.folder / "summary.json").read_text())
         return values
 
+    def export(self, file: str | os.PathLike[str], *, every: int = 1) -> None:
+        """Writes the run for other programs: .pc2 with an .obj beside it, .glb (glTF) or .usda; as `selvage export`.
+
+        Parameters
+        ----------
+        file : path
+            Its extension names the format.
+        every : int
+            One frame in so many, and the last.
+
+        Raises
+        ------
+        selvage.Error
+            For an unknown extension, and when a file cannot be read or written.
+        """
+        run_program("export", self.folder, "-o", file, "--every", every)
+
+    def view(self, file: str | os.PathLike[str], *, every: int = 1) -> None:
+        """Writes one page for browsers that shows the run; as `selvage view`. Parameters as `export`."""
+        run_program("view", self.folder, "-o", file, "--every", every)
+
+    def render(self, file: str | os.PathLike[str], **options: Any) -> None:
+        """Draws pictures (.png) or a video (.mp4, .gif); as `selvage render`, whose options are keywords here.
+
+        As in `run.render("last.png", frames="last", colour="speed", size=(480, 360))`; True gives an option without a
+        value.
+        """
+        words: list[object] = []
+        for name, value in options.items():
+            if value is False or value is None:
+                continue
+            words.append(f"--{name.replace('_', '-')}")
+            if value is not True:
+                words += [*value] if isinstance(value, (tuple, list)) else [value]
+        run_program("render", self.folder, "-o", file, *words)
+
     def _repr_png_(self) -> bytes:
-        return small_picture(self.mesh())
+        if len(self.T):
+            return small_picture(self.mesh())
+        with tempfile.TemporaryDirectory(prefix="selvage-") as folder:
+            self.render(Path(folder) / "run.png", size=(800, 500))
+            return (Path(folder) / "run.png").read_bytes()
 
     def __repr__(self) -> str:
         return f"<selvage.Run '{self.folder}': {len(self)} frames of {len(self.T)} elements>"

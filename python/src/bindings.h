@@ -2,9 +2,11 @@
 
 #include "arrays.h"
 #include "interrupts.h"
+#include "selvage/contact/contact.h"
 #include "selvage/core/error.h"
 #include "selvage/mesh/simplex_mesh.h"
 #include "selvage/mesh/triangle_mesh.h"
+#include "selvage/scene/scene.h"
 #include "selvage/self_collision/self_collision.h"
 
 #include <nanobind/nanobind.h>
@@ -27,6 +29,8 @@ void bind_continuous_collision(nb::module_& m);
 void bind_proximity(nb::module_& m);
 void bind_surface_distance(nb::module_& m);
 void bind_contacts(nb::module_& m);
+void bind_geometry(nb::module_& m);
+void bind_scenes(nb::module_& m);
 void bind_simulation(nb::module_& m);
 void bind_runs(nb::module_& m);
 void bind_resolve(nb::module_& m);
@@ -69,6 +73,20 @@ using PlacedTriangleMesh = PlacedMesh<TriangleMesh, 3>;
 SelfCollisionOptions collision_options(const std::string& method, bool adjacent, bool asked_once, nb::handle filters,
                                        nb::handle thickness, const std::shared_ptr<Watch>& watch);
 PairFilters filters_of(nb::handle filters);
+
+/// Contacts, one array a member.
+nb::object contact_arrays(std::span<const Contact> contacts);
+
+/// A scene of the package: solvers that run it share it.
+struct SceneHandle {
+  std::shared_ptr<const Scene> scene;
+};
+
+/// All bodies of tetrahedra of a scene in one mesh, at these positions.
+PlacedTetMesh mesh_of_scene(const Scene& scene, const nb::object& positions);
+
+/// All of a scene that is seen and that collides, at these positions.
+PlacedTriangleMesh surface_of_scene(const Scene& scene, const nb::object& positions);
 
 /// Runs work without the interpreter.
 template <typename Work>

@@ -1,5 +1,3 @@
-#include "contacts.h"
-
 #include "bindings.h"
 #include "selvage/contact/contact_finder.h"
 
@@ -34,7 +32,7 @@ nb::object contact_arrays(std::span<const Contact> contacts) {
   const std::size_t n = contacts.size();
   Column<std::uint8_t> kind(n), count(n);
   Column<std::int32_t> vertices(n, Contact::kMaxVertices), point_feature(n), surface_feature(n);
-  Column<double> weights(n, Contact::kMaxVertices), normal(n, 3), point(n, 3), time(n);
+  Column<double> weights(n, Contact::kMaxVertices), normal(n, 3), point(n, 3), distance(n), time(n);
   for (std::size_t i = 0; i < n; ++i) {
     const Contact& contact = contacts[i];
     kind[i] = static_cast<std::uint8_t>(contact.kind);
@@ -45,14 +43,15 @@ nb::object contact_arrays(std::span<const Contact> contacts) {
     }
     std::copy_n(contact.normal.data(), 3, normal.row(i));
     std::copy_n(contact.point.data(), 3, point.row(i));
+    distance[i] = contact.distance;
     time[i] = contact.time;
     point_feature[i] = contact.point_feature;
     surface_feature[i] = contact.surface_feature;
   }
   return result_class("Contacts")(std::move(kind).array(), std::move(count).array(), std::move(vertices).array(),
                                   std::move(weights).array(), std::move(normal).array(), std::move(point).array(),
-                                  std::move(time).array(), std::move(point_feature).array(),
-                                  std::move(surface_feature).array());
+                                  std::move(distance).array(), std::move(time).array(),
+                                  std::move(point_feature).array(), std::move(surface_feature).array());
 }
 
 void bind_contacts(nb::module_& m) {
@@ -72,6 +71,10 @@ rest : (n, 3) array, optional
     Rest positions [m], for the rule 'rest-pose'.
 objects : (n,) array of whole numbers, optional
     The object that each vertex belongs to, for the rule 'euclidean'; else connected components.
+cloth : (k, 3) array of whole numbers, optional
+    Triangles of cloth, on vertices that no tetrahedron has.
+thickness : (n,) array, optional
+    Of cloth at each vertex, 0 where there is none [m]: sheets are held so far apart, all else half as far. Needs `rest`.
 mode : str
     'hybrid' (points inside at the start of a step by DCD, all others by CCD), 'ccd', 'dcd' or 'none'.
 rule : str
@@ -80,6 +83,8 @@ edges : bool
     Also edges inside elements, and pairs of edges.
 interior_points : bool
     Also interior vertices and centroids, by DCD alone.
+wait_for_inverted : bool
+    No contacts at vertices of inverted elements, which would keep them inverted.
 
 Raises
 ------
@@ -107,28 +112,36 @@ A box falls onto another one, and the step would end with a part of it inside.
 )")
       .def(
           "__init__",
-          [](StepContacts* self, nb::object mesh, nb::object v, nb::object rest, nb::object objects,
-             const std::string& mode, const std::string& rule, bool edges, bool interior_points) {
+          [](StepContacts* self, nb::object mesh, nb::object v, nb::object rest, nb::object objects, nb::object cloth,
+             nb::object thickness, const std::string& mode, const std::string& rule, bool edges, bool interior_points,
+             bool wait_for_inverted) {
             const auto& placed = mesh_argument<PlacedTetMesh>(mesh);
             const Rows<Vec3> x = placed.positions_or(v);
             const Rows<Vec3> at_rest = rows_or_none<Vec3>(rest, "rest");
             const Rows<Index> numbers = rows_or_none<Index>(objects, "objects");
+            const Rows<VertexTuple<3>> triangles = rows_or_none<VertexTuple<3>>(cloth, "cloth");
+            std::vector<double> half = rows_or_none<double>(thickness, "thickness").copy();
+            for (double& value : half) value /= 2;
             const ContactOptions options{.mode = mode_of(mode),
                                          .rule = rule_of(rule),
                                          .detect_edges = edges,
-                                         .interior_points = interior_points};
+                                         .interior_points = interior_points,
+                                         .wait_for_inverted = wait_for_inverted};
             auto finder = without_interpreter([&] {
-              return std::make_unique<ContactFinder>(placed.topology, at_rest.span(), x.span(), numbers.span(),
-                                                     options);
+              return std::make_unique<ContactFinder>(placed.topology, at_rest.span(), x.span(), numbers.span(), options,
+                                                     std::span<const VertexTuple<3>>{},
+                                                     ContactCloth{triangles.span(), half});
             });
             new (self) StepContacts{mesh, &placed, std::move(finder)};
           },
           nb::arg("mesh").none(), nb::arg("V").none() = nb::none(), nb::kw_only(), nb::arg("rest").none() = nb::none(),
-          nb::arg("objects").none() = nb::none(), nb::arg("mode") = "hybrid", nb::arg("rule") = "shortest-path",
-          nb::arg("edges") = true, nb::arg("interior_points") = false,
+          nb::arg("objects").none() = nb::none(), nb::arg("cloth").none() = nb::none(),
+          nb::arg("thickness").none() = nb::none(), nb::arg("mode") = "hybrid", nb::arg("rule") = "shortest-path",
+          nb::arg("edges") = true, nb::arg("interior_points") = false, nb::arg("wait_for_inverted") = false,
           nb::sig("def __init__(self, mesh: TetMesh, V: ArrayLike | None = None, *, rest: ArrayLike | None = None, "
-                  "objects: ArrayLike | None = None, mode: str = 'hybrid', rule: str = 'shortest-path', "
-                  "edges: bool = True, interior_points: bool = False) -> None"))
+                  "objects: ArrayLike | None = None, cloth: ArrayLike | None = None, "
+                  "thickness: ArrayLike | None = None, mode: str = 'hybrid', rule: str = 'shortest-path', "
+                  "edges: bool = True, interior_points: bool = False, wait_for_inverted: bool = False) -> None"))
       .def(
           "begin_step",
           [](StepContacts& self, nb::object v) {

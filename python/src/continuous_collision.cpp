@@ -103,6 +103,15 @@ array([[3, 0],
           nb::arg("V0").none(), nb::arg("V1").none(), nb::sig("def update(self, V0: ArrayLike, V1: ArrayLike) -> None"),
           "Takes a new step, (n, 3) [m] each, and refits in O(n).")
       .def(
+          "rebuild",
+          [](StepFinder& self, nb::object v0, nb::object v1) {
+            const Rows<Vec3> x0(v0, "V0"), x1(v1, "V1");
+            without_interpreter([&] { self.finder->rebuild(x0.span(), x1.span()); });
+          },
+          nb::arg("V0").none(), nb::arg("V1").none(),
+          nb::sig("def rebuild(self, V0: ArrayLike, V1: ArrayLike) -> None"),
+          "As `update`, but builds the hierarchy anew.")
+      .def(
           "find_pairs",
           [](const StepFinder& self) {
             self.watch->begin();

@@ -1,4 +1,5 @@
 #include "bindings.h"
+#include "selvage/mesh/weld.h"
 
 namespace selvage::python {
 
@@ -145,6 +146,55 @@ array([[0, 1],
       .def_prop_ro(
           "is_oriented", [](const PlacedTriangleMesh& self) { return self.topology.is_oriented(); },
           "Whether neighbours agree on which side of the surface is which.")
+      .def_prop_ro(
+          "pieces",
+          [](const PlacedTriangleMesh& self) {
+            return array_of(without_interpreter([&] { return connected_pieces(self.topology); }));
+          },
+          nb::sig("def pieces(self) -> Ints"),
+          "(m,) int32: connected piece of each triangle, from 0 on: triangles with a common vertex are of one piece. "
+          "As "
+          "`PairFilters(groups=mesh.pieces)` they leave only the pairs of different pieces.")
+      .def(
+          "weld",
+          [](const PlacedTriangleMesh& self) {
+            IndexedMesh mesh{.positions = self.positions.copy(),
+                             .tetrahedra = {},
+                             .triangles = {self.topology.triangles().begin(), self.topology.triangles().end()}};
+            std::vector<Index> numbers;
+            TriangleMesh surface = without_interpreter([&] {
+              numbers = weld_triangles(mesh, find_first_in_place(mesh.positions));
+              return TriangleMesh(static_cast<Index>(mesh.positions.size()), std::move(mesh.triangles));
+            });
+            if (numbers.empty())
+              for (Index t = 0; t < surface.triangle_count(); ++t) numbers.push_back(t);
+            nb::object placed =
+                nb::cast(PlacedTriangleMesh{std::move(surface), Rows<Vec3>(self.positions.array(), "V")});
+            return nb::make_tuple(std::move(placed), array_of(numbers));
+          },
+          nb::sig("def weld(self) -> tuple[TriangleMesh, Ints]"),
+          R"(The same surface, its vertices joined where they are in one place, as those of an STL file.
+
+Returns
+-------
+TriangleMesh
+    On the same vertices; those that are no longer used stay.
+(k,) int32
+    The number that each of its triangles had before: those with two corners in one place are left out.
+
+Raises
+------
+selvage.Error
+    When no triangle is left.
+
+Examples
+--------
+>>> V = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+>>> mesh, numbers = selvage.TriangleMesh(V, [[0, 1, 2], [3, 4, 5]]).weld()
+>>> mesh.F
+array([[0, 1, 2],
+       [1, 4, 2]], dtype=int32)
+)")
       .def("__repr__", [](const PlacedTriangleMesh& self) {
         return "selvage.TriangleMesh(" + std::to_string(self.topology.vertex_count()) + " vertices, " +
                std::to_string(self.topology.triangle_count()) + " triangles)";

@@ -86,6 +86,8 @@ False
   bind_proximity(m);
   bind_surface_distance(m);
   bind_contacts(m);
+  bind_geometry(m);
+  bind_scenes(m);
   bind_simulation(m);
   bind_runs(m);
   bind_resolve(m);

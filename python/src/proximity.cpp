@@ -99,6 +99,14 @@ Examples
           nb::arg("V").none() = nb::none(), nb::sig("def update(self, V: ArrayLike | None = None) -> None"),
           "Takes a new pose (n, 3) [m], the mesh's own where None, and refits in O(n).")
       .def(
+          "rebuild",
+          [](NearFinder& self, nb::object v) {
+            const Rows<Vec3> x = self.mesh->positions_or(v);
+            without_interpreter([&] { self.finder->rebuild(x.span()); });
+          },
+          nb::arg("V").none() = nb::none(), nb::sig("def rebuild(self, V: ArrayLike | None = None) -> None"),
+          "As `update`, but builds the hierarchy anew.")
+      .def(
           "find_pairs",
           [](const NearFinder& self) {
             self.watch->begin();

@@ -41,10 +41,11 @@ nb::dict row_of(const ResolveIteration& row) {
 void bind_resolve(nb::module_& m) {
   m.def(
       "resolve_arrays",
-      [](const PlacedTetMesh& mesh, nb::object rest, nb::object pinned, nb::object max_displacement, double clearance,
-         int max_iterations, int patience, nb::object progress) {
+      [](const PlacedTetMesh& mesh, nb::object rest, bool keep_pose, nb::object pinned, nb::object max_displacement,
+         double clearance, int max_iterations, int patience, nb::object progress) {
         ResolveOptions options;
         options.rest_positions = rows_or_none<Vec3>(rest, "rest").copy();
+        options.keep_pose = keep_pose;
         options.pinned = rows_or_none<Index>(pinned, "pinned").copy();
         if (!max_displacement.is_none()) options.max_displacement = nb::cast<double>(max_displacement);
         options.clearance = clearance;
@@ -73,12 +74,17 @@ void bind_resolve(nb::module_& m) {
         result["mean_displacement"] = report.mean_displacement;
         result["volume_before"] = report.volume_before;
         result["volume_after"] = report.volume_after;
+        result["volume_at_rest"] = report.volume_at_rest;
+        result["elastic_energy_before"] = report.elastic_energy_before;
+        result["elastic_energy_after"] = report.elastic_energy_after;
         return nb::make_tuple(array_of(positions), result);
       },
-      nb::arg("mesh").none(), nb::kw_only(), nb::arg("rest").none() = nb::none(), nb::arg("pinned").none() = nb::none(),
-      nb::arg("max_displacement").none() = nb::none(), nb::arg("clearance") = 0.05, nb::arg("max_iterations") = 2000,
-      nb::arg("patience") = 60, nb::arg("progress").none() = nb::none(),
-      nb::sig("def resolve_arrays(mesh: TetMesh, *, rest: ArrayLike | None = None, pinned: ArrayLike | None = None, "
+      nb::arg("mesh").none(), nb::kw_only(), nb::arg("rest").none() = nb::none(), nb::arg("keep_pose") = false,
+      nb::arg("pinned").none() = nb::none(), nb::arg("max_displacement").none() = nb::none(),
+      nb::arg("clearance") = 0.05, nb::arg("max_iterations") = 2000, nb::arg("patience") = 60,
+      nb::arg("progress").none() = nb::none(),
+      nb::sig("def resolve_arrays(mesh: TetMesh, *, rest: ArrayLike | None = None, keep_pose: bool = False, pinned: "
+              "ArrayLike | None = None, "
               "max_displacement: float | None = None, clearance: float = 0.05, max_iterations: int = 2000, "
               "patience: int = 60, progress: Callable[[dict[str, Any]], object] | None = None) "
               "-> tuple[Floats, dict[str, Any]]"),

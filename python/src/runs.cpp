@@ -1,5 +1,4 @@
 #include "bindings.h"
-#include "scenes.h"
 #include "selvage/scene/frames.h"
 #include "selvage/scene/run.h"
 
@@ -21,17 +20,67 @@ nb::dict row_of(const FrameStatistics& row) {
   result["path_queries"] = row.path_queries;
   result["blocked_paths"] = row.blocked_paths;
   result["held_back_vertices"] = row.held_back_vertices;
+  result["impacts_met"] = row.impacts_met;
   result["impacts_left"] = row.impacts_left;
   result["unguarded_vertices"] = row.unguarded_vertices;
   result["sleeping_bodies"] = row.sleeping_bodies;
+  result["constraints"] = row.constraints;
+  result["newton_steps"] = row.newton_steps;
+  result["linear_iterations"] = row.linear_iterations;
+  result["residual"] = row.residual;
   result["penetrating_vertices"] = row.penetrating_vertices;
   result["deepest_penetration"] = row.deepest_penetration;
+  result["penetrating_edges"] = row.penetrating_edges;
+  result["deepest_edge"] = row.deepest_edge;
   result["triangle_pairs"] = row.triangle_pairs;
+  result["vertices_in_colliders"] = row.vertices_in_colliders;
+  result["collider_points"] = row.collider_points;
+  result["deepest_in_colliders"] = row.deepest_in_colliders;
+  result["deepest_collider_point"] = row.deepest_collider_point;
   result["inverted_elements"] = row.inverted_elements;
   result["flat_elements"] = row.flat_elements;
   result["kinetic_energy"] = row.kinetic_energy;
   result["fastest"] = row.fastest;
+  result["volumes"] = row.volumes;
+  result["traversals"] = row.traversals;
+  result["path_elements"] = row.path_elements;
+  result["seconds_material"] = row.seconds_material;
+  result["seconds_projection"] = row.seconds_projection;
+  result["seconds_dcd"] = row.seconds_dcd;
+  result["seconds_paths"] = row.seconds_paths;
+  result["seconds_ccd"] = row.seconds_ccd;
+  result["seconds_steps"] = row.seconds_steps;
   result["seconds_frame"] = row.seconds_frame;
+  return result;
+}
+
+nb::dict depths_of(const ColliderCrossings& of) {
+  nb::dict result;
+  result["vertices"] = of.vertices;
+  result["deepest_vertex"] = of.deepest_vertex;
+  result["points"] = of.points;
+  result["deepest_point"] = of.deepest_point;
+  return result;
+}
+
+/// As in checks/frame_*.json, with bodies by their numbers.
+nb::dict crossings_of(const Crossings& crossings) {
+  nb::list pairs, colliders;
+  for (const BodyPairCrossings& pair : crossings.bodies.pairs) {
+    nb::dict row;
+    row["bodies"] = nb::make_tuple(pair.first, pair.second);
+    row["triangle_pairs"] = pair.triangle_pairs;
+    row["vertices"] = pair.vertices;
+    row["deepest_vertex"] = pair.deepest_vertex;
+    row["edges"] = pair.edges;
+    row["deepest_edge"] = pair.deepest_edge;
+    pairs.append(row);
+  }
+  for (const ColliderCrossings& of : crossings.colliders) colliders.append(depths_of(of));
+  nb::dict result;
+  result["crosses"] = crossings.any();
+  result["body_pairs"] = pairs;
+  result["colliders"] = colliders;
   return result;
 }
 
@@ -64,8 +113,12 @@ void bind_runs(nb::module_& m) {
   m.def(
       "run_scene_to",
       [](const SceneHandle& scene, const std::filesystem::path& folder, nb::object frames, bool resume, bool vtu,
-         nb::object surface, nb::object progress) {
-        RunOptions options{.folder = folder, .resume = resume, .vtu = vtu, .surface = surface_format(surface)};
+         nb::object surface, std::int64_t check_every, nb::object progress, nb::object on_check) {
+        RunOptions options{.folder = folder,
+                           .resume = resume,
+                           .vtu = vtu,
+                           .surface = surface_format(surface),
+                           .check_every = check_every};
         if (!frames.is_none()) options.frames = nb::cast<std::int64_t>(frames);
         Watch watch;
         watch.begin();
@@ -76,6 +129,11 @@ void bind_runs(nb::module_& m) {
           const nb::gil_scoped_acquire held;
           progress(row_of(row));
         };
+        if (!on_check.is_none())
+          options.on_check = [&](std::int64_t frame, const Crossings& crossings) {
+            const nb::gil_scoped_acquire held;
+            on_check(frame, crossings_of(crossings));
+          };
         const RunReport report = without_interpreter([&] { return run_scene(*scene.scene, options); });
         nb::list rows;
         for (const FrameStatistics& row : report.frames) rows.append(row_of(row));
@@ -85,14 +143,18 @@ void bind_runs(nb::module_& m) {
         result["first_frame"] = report.first_frame;
         result["frames"] = rows;
         result["fingerprint"] = report.fingerprint;
+        result["at_end"] = crossings_of(report.crossings);
+        const auto free_from = guaranteed_from(report.frames);
+        result["guaranteed_from"] = free_from ? nb::object(nb::int_(*free_from)) : nb::object(nb::none());
         return result;
       },
       nb::arg("scene").none(), nb::arg("folder"), nb::kw_only(), nb::arg("frames").none() = nb::none(),
       nb::arg("resume") = false, nb::arg("vtu") = false, nb::arg("surface").none() = nb::none(),
-      nb::arg("progress").none() = nb::none(),
+      nb::arg("check_every") = 0, nb::arg("progress").none() = nb::none(), nb::arg("on_check").none() = nb::none(),
       nb::sig("def run_scene_to(scene: Scene, folder: str | os.PathLike[str], *, frames: int | None = None, "
               "resume: bool = False, vtu: bool = False, surface: str | None = None, "
-              "progress: Callable[[dict[str, Any]], object] | None = None) -> dict[str, Any]"),
+              "check_every: int = 0, progress: Callable[[dict[str, Any]], object] | None = None, "
+              "on_check: Callable[[int, dict[str, Any]], object] | None = None) -> dict[str, Any]"),
       "Runs a scene into a folder; its report as a dict. See `selvage.simulate`.");
   m.def(
       "read_topology_arrays",
@@ -111,6 +173,13 @@ void bind_runs(nb::module_& m) {
       nb::arg("folder"), nb::arg("frame"),
       nb::sig("def read_frame_arrays(folder: str | os.PathLike[str], frame: int) -> tuple[Floats, float, int]"),
       "Positions, time [s] and steps of a frame of a run.");
+  m.def(
+      "read_rest_arrays",
+      [](const std::filesystem::path& folder) {
+        return array_of(without_interpreter([&] { return read_frame(rest_path(folder)); }).positions);
+      },
+      nb::arg("folder"), nb::sig("def read_rest_arrays(folder: str | os.PathLike[str]) -> Floats"),
+      "Positions at rest of a run.");
   m.def(
       "read_checkpoint_arrays",
       [](const std::filesystem::path& folder) {

@@ -199,6 +199,14 @@ True
           nb::arg("V").none() = nb::none(), nb::sig("def update(self, V: ArrayLike | None = None) -> None"),
           "Takes a new pose (n, 3) [m], the mesh's own where None, and refits in O(n).")
       .def(
+          "rebuild",
+          [](CollisionFinder& self, nb::object v) {
+            const Rows<Vec3> x = self.mesh->positions_or(v);
+            without_interpreter([&] { self.finder->rebuild(x.span()); });
+          },
+          nb::arg("V").none() = nb::none(), nb::sig("def rebuild(self, V: ArrayLike | None = None) -> None"),
+          "As `update`, but builds the hierarchy anew.")
+      .def(
           "find_pairs",
           [](const CollisionFinder& self) {
             self.watch->begin();
@@ -253,7 +261,18 @@ Raises
 ------
 selvage.Error
     When a triangle is out of range.
-)");
+)")
+      .def(
+          "find_segments_with",
+          [](const CollisionFinder& self, const CollisionFinder& other, nb::object pairs) {
+            const std::vector<TrianglePair> rows = pairs_of(pairs);
+            self.watch->begin();
+            return segment_array(
+                without_interpreter([&] { return self.finder->find_segments_with(*other.finder, rows); }));
+          },
+          nb::arg("other"), nb::arg("pairs").none(),
+          nb::sig("def find_segments_with(self, other: SelfCollisionFinder, pairs: ArrayLike) -> Floats"),
+          "As `find_segments`, for pairs that `find_pairs_with` gave.");
 }
 
 }  // namespace selvage::python

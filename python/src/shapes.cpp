@@ -35,6 +35,7 @@ ShapeOptions shape_options(const nb::dict& options) {
   take(options, "radius", result.radius);
   take(options, "inner_radius", result.inner_radius);
   take(options, "tentacles", result.tentacles);
+  take(options, "teeth", result.teeth);
   take(options, "seed", result.seed);
   take(options, "slenderness", result.slenderness);
   return result;
@@ -77,6 +78,20 @@ void bind_shapes(nb::module_& m) {
       nb::sig("def shape_arrays(shape: str, shape_options: dict[str, Any], pose: str | None, "
               "pose_options: dict[str, Any]) -> tuple[Floats, Ints, Ints]"),
       "The arrays (V, F, T) of a shape by its name, posed by the name of a pose. See `selvage.make`.");
+  m.def(
+      "posed_arrays",
+      [](nb::object v, nb::object f, nb::object t, const std::string& pose, const nb::dict& pose_dict) {
+        IndexedMesh mesh{.positions = Rows<Vec3>(v, "V").copy(),
+                         .tetrahedra = rows_or_none<VertexTuple<4>>(t, "T").copy(),
+                         .triangles = rows_or_none<VertexTuple<3>>(f, "F").copy()};
+        const PoseOptions options = pose_options(pose_dict);
+        without_interpreter([&] { apply_pose(mesh, pose, options); });
+        return arrays_of(mesh);
+      },
+      nb::arg("V").none(), nb::arg("F").none(), nb::arg("T").none(), nb::arg("pose"), nb::arg("pose_options"),
+      nb::sig("def posed_arrays(V: ArrayLike, F: ArrayLike | None, T: ArrayLike | None, pose: str, "
+              "pose_options: dict[str, Any]) -> tuple[Floats, Ints, Ints]"),
+      "The arrays (V, F, T) of a mesh in the pose of that name. See `selvage.pose`.");
   m.def(
       "shape_names", [] { return names_of(shape_names()); }, nb::sig("def shape_names() -> list[str]"),
       "Names that `make` knows.");

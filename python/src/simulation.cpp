@@ -1,7 +1,6 @@
 #include "bindings.h"
-#include "contacts.h"
-#include "scenes.h"
-#include "selvage/simulation/xpbd.h"
+
+#include <variant>
 
 namespace selvage::python {
 
@@ -14,13 +13,11 @@ struct Simulation {
   State state;
   nb::object positions, velocities;
   std::shared_ptr<Watch> watch;  ///< holds the user's constraint, for the garbage collector
-  std::optional<XpbdSolver> solver;
+  using Solver = std::variant<XpbdSolver, NewtonSolver, VbdSolver>;
+  std::optional<Solver> solver;
   bool with_contact = false;
 
   explicit Simulation(std::shared_ptr<const Scene> s) : scene(std::move(s)), state(scene->initial_state) {
-    if (scene->solver != SolverKind::kXpbd)
-      throw Error("solver", "is not xpbd, by which alone a Simulation steps",
-                  "run the scene with selvage.simulate(), or set \"solver\": \"xpbd\"");
     positions = array_of(state.positions);
     velocities = array_of(state.velocities);
     watch = std::make_shared<Watch>();
@@ -30,23 +27,50 @@ struct Simulation {
   std::int64_t frame() const { return state.steps / scene->substeps; }
   bool wants_contact() const { return frame() >= scene->contact_from_frame; }
 
+  template <typename Made, typename Options>
+  void make(Options options, const StepOptions& shared) {
+    static_cast<StepOptions&>(options) = shared;
+    solver.emplace(std::in_place_type<Made>, scene->model, scene->initial_state, scene->handles, scene->colliders,
+                   options);
+  }
+
   void make_solver() {
-    XpbdOptions options = scene->options;
+    StepOptions shared = scene->options;
     with_contact = wants_contact();
-    if (!with_contact) options.contact.mode = DetectionMode::kOff;
+    if (!with_contact) shared.contact.mode = DetectionMode::kOff;
     without_interpreter([&] {
       solver.reset();
-      solver.emplace(scene->model, scene->initial_state, scene->handles, scene->colliders, options);
+      if (scene->solver == SolverKind::kNewton) return make<NewtonSolver>(scene->newton, shared);
+      if (scene->solver == SolverKind::kVbd)
+        return make<VbdSolver>(VbdOptions{{}, scene->options.iterations, scene->vbd_residual}, shared);
+      make<XpbdSolver>(scene->options, shared);
     });
     set_constraint();
   }
 
   void set_constraint() {
-    if (watch->progress().is_none()) return solver->set_constraint({});
-    solver->set_constraint([held = watch](const StepVertices& vertices, int iteration) {
+    auto* const xpbd = std::get_if<XpbdSolver>(&*solver);
+    if (xpbd == nullptr) return;
+    if (watch->progress().is_none()) return xpbd->set_constraint({});
+    xpbd->set_constraint([held = watch](const StepVertices& vertices, int iteration) {
       const nb::gil_scoped_acquire python;
       call_constraint(held->progress(), vertices, iteration);
     });
+  }
+
+  void take_constraint(nb::object constraint) {
+    if (!constraint.is_none() && !std::holds_alternative<XpbdSolver>(*solver))
+      throw Error("constraint", "the scene's solver is not xpbd, which alone takes one",
+                  "set \"solver\": \"xpbd\", or add forces to step()");
+    watch->progress() = std::move(constraint);
+    set_constraint();
+  }
+
+  std::span<const Contact> contacts() const {
+    return std::visit([](const auto& s) { return s.contacts(); }, *solver);
+  }
+  const StepStatistics& statistics() const {
+    return std::visit([](const auto& s) -> const StepStatistics& { return s.statistics(); }, *solver);
   }
 
   /// Calls Python with copies, so that nothing is left hanging when it keeps them.
@@ -91,7 +115,7 @@ struct Simulation {
         if (!std::equal(x.span().begin(), x.span().end(), state.positions.begin())) next.rest_times.clear();
         next.positions.assign(x.span().begin(), x.span().end());
         next.velocities.assign(v.span().begin(), v.span().end());
-        solver->step(next, force.span());
+        std::visit([&](auto& made) { made.step(next, force.span()); }, *solver);
         state = std::move(next);
       });
       write(positions, state.positions, "positions");
@@ -110,103 +134,38 @@ struct Simulation {
 nb::dict statistics_of(const StepStatistics& s) {
   nb::dict result;
   result["constraints"] = s.constraints;
+  result["newton_steps"] = s.newton_steps;
+  result["linear_iterations"] = s.linear_iterations;
+  result["residual"] = s.residual;
   result["collider_contacts"] = s.collider_contacts;
+  result["missed_rounds"] = s.missed_rounds;
+  result["hold_back_rounds"] = s.hold_back_rounds;
   result["held_back_vertices"] = s.held_back_vertices;
+  result["impacts_met"] = s.impacts_met;
   result["impacts_left"] = s.impacts_left;
   result["unguarded_vertices"] = s.unguarded_vertices;
   result["sleeping_bodies"] = s.sleeping_bodies;
+  constexpr std::array<const char*, kContactKinds> kKinds{"vertex_paths", "edge_paths", "centroid_paths",
+                                                          "vertex_faces", "edge_edges"};
+  for (std::size_t kind = 0; kind < kKinds.size(); ++kind) result[kKinds[kind]] = s.contact.contacts[kind];
   result["penetrating_vertices"] = s.contact.penetrating_vertices;
+  result["penetrating_edges"] = s.contact.penetrating_edges;
   result["path_queries"] = s.contact.path_queries;
   result["blocked_paths"] = s.contact.blocked_paths;
   result["seconds_material"] = s.seconds_material;
   result["seconds_projection"] = s.seconds_projection;
+  result["seconds_hold_back"] = s.seconds_hold_back;
   result["seconds_dcd"] = s.contact.seconds_dcd + s.contact.seconds_split;
+  result["seconds_refit"] = s.contact.seconds_refit;
   result["seconds_paths"] = s.contact.seconds_paths;
   result["seconds_ccd"] = s.contact.seconds_ccd;
   result["seconds"] = s.seconds;
   return result;
 }
 
-PlacedTetMesh mesh_of(const Scene& scene, const nb::object& positions) {
-  return {scene.model.mesh, Rows<Vec3>(positions, "positions")};
-}
-
-nb::list bodies_of(const Scene& scene) {
-  nb::list bodies;
-  for (const Body& body : scene.model.bodies) {
-    nb::dict row;
-    row["name"] = body.name;
-    row["vertices"] = nb::steal(
-        PySlice_New(nb::int_(body.first_vertex).ptr(), nb::int_(body.first_vertex + body.vertex_count).ptr(), nullptr));
-    row["elements"] = nb::steal(PySlice_New(nb::int_(body.first_element).ptr(),
-                                            nb::int_(body.first_element + body.element_count).ptr(), nullptr));
-    bodies.append(row);
-  }
-  return bodies;
-}
-
-void bind_scene(nb::module_& m) {
-  m.def(
-      "scene_of_text",
-      [](const std::string& text, const std::filesystem::path& path, const std::string& scale) {
-        return without_interpreter(
-            [&] { return SceneHandle{std::make_shared<Scene>(parse_scene(text, path, scale))}; });
-      },
-      nb::arg("text"), nb::arg("path"), nb::arg("scale"),
-      nb::sig("def scene_of_text(text: str, path: str | os.PathLike[str], scale: str) -> Scene"),
-      "A scene from its JSON text; `path` stands for it in errors. See `selvage.read_scene`.");
-  m.def(
-      "scene_of_file",
-      [](const std::filesystem::path& path, const std::string& scale) {
-        return without_interpreter([&] { return SceneHandle{std::make_shared<Scene>(read_scene(path, scale))}; });
-      },
-      nb::arg("path"), nb::arg("scale"),
-      nb::sig("def scene_of_file(path: str | os.PathLike[str], scale: str) -> Scene"),
-      "A scene from its file. See `selvage.read_scene`.");
-  nb::class_<SceneHandle>(m, "Scene",
-                          R"(A scene ready to run, with all meshes read or made. `selvage.read_scene` makes it.
-
-Examples
---------
->>> scene = selvage.read_scene({"selvage_scene": 1, "bodies": [{"mesh": {"shape": "box", "cell": 0.5}}]})
->>> scene.frames, scene.frames_per_second, scene.substeps
-(60, 60, 5)
->>> [body["name"] for body in scene.bodies]
-['body0']
-)")
-      .def_prop_ro(
-          "name", [](const SceneHandle& s) { return s.scene->name; }, "Name of the file, without extension.")
-      .def_prop_ro(
-          "frames", [](const SceneHandle& s) { return s.scene->frames; }, "Frames to run.")
-      .def_prop_ro(
-          "frames_per_second", [](const SceneHandle& s) { return s.scene->frames_per_second; }, "Frames a second.")
-      .def_prop_ro(
-          "substeps", [](const SceneHandle& s) { return s.scene->substeps; }, "Steps a frame.")
-      .def_prop_ro(
-          "time_step", [](const SceneHandle& s) { return s.scene->options.time_step; }, "[s] of one step.")
-      .def_prop_ro(
-          "bodies", [](const SceneHandle& s) { return bodies_of(*s.scene); },
-          nb::sig("def bodies(self) -> list[dict[str, Any]]"),
-          "Of each body its `name`, and the slices `vertices` and `elements` of the arrays that are its.")
-      .def_prop_ro(
-          "rest_positions", [](const SceneHandle& s) { return array_of(s.scene->model.rest_positions); },
-          nb::sig("def rest_positions(self) -> Floats"), "(n, 3) float64: where nothing is stressed [m].")
-      .def_prop_ro(
-          "inverse_masses", [](const SceneHandle& s) { return array_of(s.scene->model.inverse_masses); },
-          nb::sig("def inverse_masses(self) -> Floats"), "(n,) float64 [1/kg]; 0: pinned, or without element.")
-      .def_prop_ro(
-          "mesh", [](const SceneHandle& s) { return mesh_of(*s.scene, array_of(s.scene->initial_state.positions)); },
-          nb::sig("def mesh(self) -> TetMesh"), "All bodies in one mesh, where they start.")
-      .def("__repr__", [](const SceneHandle& s) {
-        return "<selvage.Scene '" + s.scene->name + "': " + std::to_string(s.scene->model.bodies.size()) + " bodies, " +
-               std::to_string(s.scene->model.mesh.element_count()) + " elements>";
-      });
-}
-
 }  // namespace
 
 void bind_simulation(nb::module_& m) {
-  bind_scene(m);
   nb::class_<Simulation>(m, "SceneSimulation", nb::type_slots(CollectedWatch<Simulation>::slots),
                          "A scene step by step. See `selvage.Simulation`.")
       .def(
@@ -233,8 +192,27 @@ void bind_simulation(nb::module_& m) {
           "scene", [](const Simulation& s) { return SceneHandle{s.scene}; }, nb::sig("def scene(self) -> Scene"),
           "The scene that is simulated.")
       .def_prop_ro(
-          "mesh", [](const Simulation& s) { return mesh_of(*s.scene, s.positions); },
-          nb::sig("def mesh(self) -> TetMesh"), "All bodies in one mesh; its `V` is `positions`, and follows it.")
+          "mesh", [](const Simulation& s) { return mesh_of_scene(*s.scene, s.positions); },
+          nb::sig("def mesh(self) -> TetMesh"),
+          "All bodies of tetrahedra in one mesh; its `V` is `positions`, and follows it. Without elements where all is "
+          "cloth: see `surface`.")
+      .def_prop_ro(
+          "surface", [](const Simulation& s) { return surface_of_scene(*s.scene, s.positions); },
+          nb::sig("def surface(self) -> TriangleMesh"),
+          "Boundary of the tetrahedra, then the triangles of cloth; its `V` is `positions`, and follows it.")
+      .def_prop_ro(
+          "rest_times",
+          [](const Simulation& s) {
+            std::vector<double> times = s.state.rest_times;
+            times.resize(s.scene->model.bodies.size());
+            return array_of(times);
+          },
+          nb::sig("def rest_times(self) -> Floats"),
+          "(b,) float64 [s]: for how long each body, with all that is near it, has hardly moved. With `sleep_speed` in "
+          "the scene, bodies sleep after half a second of it.")
+      .def(
+          "wake", [](Simulation& s) { s.state.rest_times.clear(); },
+          "Wakes all bodies. A change of `positions` does so by itself; a velocity and forces wake what they move.")
       .def(
           "step", [](Simulation& s, int count, nb::object forces) { s.step(count, forces); }, nb::arg("count") = 1,
           nb::kw_only(), nb::arg("forces").none() = nb::none(),
@@ -261,11 +239,7 @@ selvage.Error
           },
           "Steps to the end of the frame.")
       .def(
-          "set_constraint",
-          [](Simulation& s, nb::object constraint) {
-            s.watch->progress() = std::move(constraint);
-            s.set_constraint();
-          },
+          "set_constraint", [](Simulation& s, nb::object constraint) { s.take_constraint(std::move(constraint)); },
           nb::arg("constraint").none(),
           nb::sig("def set_constraint(self, constraint: Callable[[Floats, Floats, int], object] | None) -> None"),
           R"(Adds a constraint of your own to all steps that follow; None takes it away.
@@ -276,12 +250,17 @@ constraint : function(positions, inverse_masses, iteration)
     Called in each iteration of a step, after the material and before contacts. It moves rows of `positions` (n, 3) [m]
     in place so that the constraint holds better; those whose `inverse_masses` [1/kg] are 0 stay. What it raises leaves
     `step`, and the state as it was.
+
+Raises
+------
+selvage.Error
+    When the scene's solver is not xpbd.
 )")
       .def(
-          "contacts", [](const Simulation& s) { return contact_arrays(s.solver->contacts()); },
+          "contacts", [](const Simulation& s) { return contact_arrays(s.contacts()); },
           nb::sig("def contacts(self) -> Contacts"), "Contacts of the last step.")
       .def(
-          "statistics", [](const Simulation& s) { return statistics_of(s.solver->statistics()); },
+          "statistics", [](const Simulation& s) { return statistics_of(s.statistics()); },
           nb::sig("def statistics(self) -> dict[str, float]"), "Counts and times of the last step.");
 }
 
