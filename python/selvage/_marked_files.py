@@ -91,9 +91,9 @@ def write_vtu(
     >>> selvage.write_vtu(os.path.join(tempfile.mkdtemp(), "marked.vtu"), rod, cell_fields={"collides": hit})
     """
     made = as_mesh(*mesh)
-    F, T = (None, made.T) if isinstance(made, TetMesh) else (made.F, None)
-    points = _fields(point_fields, len(made.V))
-    cells = _fields(cell_fields, len(T if F is None else F))
+    elements = made.T if isinstance(made, TetMesh) else made.F
+    F, T = (None, elements) if isinstance(made, TetMesh) else (elements, None)
+    points, cells = _fields(point_fields, len(made.V)), _fields(cell_fields, len(elements))
     _native.write_vtu_arrays(path, made.V, F, T, points, cells)
 
 

@@ -144,7 +144,8 @@ void bind_runs(nb::module_& m) {
         result["frames"] = rows;
         result["fingerprint"] = report.fingerprint;
         result["at_end"] = crossings_of(report.crossings);
-        const auto free_from = guaranteed_from(report.frames);
+        const auto free_from =
+            scene.scene->options.contact.guarantee ? guaranteed_from(report.frames) : std::optional<std::int64_t>();
         result["guaranteed_from"] = free_from ? nb::object(nb::int_(*free_from)) : nb::object(nb::none());
         return result;
       },

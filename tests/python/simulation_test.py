@@ -221,10 +221,91 @@ def test_impossible_scenes(scene, said):
 
 
 @pytest.mark.parametrize("solver", ["newton", "vbd"])
-def test_a_simulation_refuses_other_solvers(solver):
-    scene = {"selvage_scene": 1, "solver": solver, "bodies": [{"mesh": {"shape": "box", "cell": 0.5}}]}
-    with pytest.raises(selvage.Error, match="solver: is not xpbd"):
-        selvage.Simulation(scene)
+def test_implicit_solvers_step_as_they_run(solver, tmp_path):
+    run = selvage.simulate(falling(solver=solver), tmp_path / "run", frames=3)
+    simulation = selvage.Simulation(falling(solver=solver))
+    assert simulation.scene.solver == solver
+    while simulation.frame < 3:
+        simulation.step_frame()
+    assert np.array_equal(simulation.positions, run.checkpoint()[0])
+    assert np.array_equal(simulation.velocities, run.checkpoint()[1])
+    assert simulation.statistics()["newton_steps"] > 0
+    with pytest.raises(selvage.Error, match="constraint: the scene's solver is not xpbd"):
+        simulation.set_constraint(lambda *_: None)
+    simulation.set_constraint(None)
+
+
+def test_values_are_changed_as_by_the_program(tmp_path, program):
+    import json
+
+    (tmp_path / "scene.json").write_text(json.dumps(falling()))
+    program(
+        "simulate", tmp_path / "scene.json", "-o", tmp_path / "there", "--no-report",
+        "--set", "/bodies/0/mesh/cell=0.05", "--set", "/gravity=[0, 0, -3]", "--check-every", 2,
+    )  # fmt: skip
+    changes = {"/bodies/0/mesh/cell": 0.05, "/gravity": np.array([0, 0, -3]).tolist()}
+    scene = selvage.read_scene(tmp_path / "scene.json", changes=changes)
+    of_dict = selvage.read_scene(falling(), changes={**changes, "/gravity": np.array([0, 0, -3])})
+    assert np.array_equal(scene.rest_positions, of_dict.rest_positions)
+    checked = []
+    here = selvage.simulate(
+        scene, tmp_path / "here", check_every=2, on_check=lambda frame, found: checked.append((frame, found["crosses"]))
+    )
+    there = selvage.Run(tmp_path / "there")
+    assert all(np.array_equal(a, b) for a, b in zip(here, there))
+    assert np.array_equal(here.rest, there.rest) and here.rest.shape == here.frame(0).shape
+    assert [frame for frame, _ in checked] == [0, 2, 4]
+    for frame, crosses in checked:
+        assert json.loads((there.folder / f"checks/frame_{frame:06}.json").read_text())["crosses"] == crosses
+    with pytest.raises(selvage.Error, match="/nowhere"):
+        selvage.read_scene(falling(), changes={"/nowhere": 1})
+
+
+def test_a_report_has_every_column(tmp_path):
+    inside = falling(bodies=[{"mesh": BOX}, {"mesh": BOX, "translate": [0.1, 0.05, 0.05]}], contact={"mode": "none"})
+    run = selvage.simulate(inside, tmp_path / "run", frames=2)
+    assert run.report is not None
+    for name, column in run.statistics.items():
+        assert np.array_equal(column, [row[name] for row in run.report["frames"]]) or name.startswith("seconds"), name
+    told, wrote = run.report["at_end"], run.summary["at_end"]
+    assert told["crosses"] and len(told["body_pairs"]) == len(wrote["body_pairs"]) == 1
+    for name in ("triangle_pairs", "vertices", "deepest_vertex", "edges", "deepest_edge"):
+        assert told["body_pairs"][0][name] == wrote["body_pairs"][0][name]
+    assert told["body_pairs"][0]["bodies"] == (0, 1) and run.report["guaranteed_from"] is None
+
+
+def test_runs_go_to_other_programs(tmp_path):
+    run = selvage.simulate(falling(), tmp_path / "run")
+    run.export(tmp_path / "a.pc2", every=2)
+    shown = np.unique(run.boundary_faces)
+    points = np.fromfile(tmp_path / "a.pc2", "<f4", offset=32).reshape(3, len(shown), 3)
+    assert np.array_equal(points[1], run.frame(2)[shown].astype(np.float32)) and (tmp_path / "a.obj").exists()
+    run.view(tmp_path / "a.html")
+    run.render(tmp_path / "a.png", frames="last", size=(160, 120), edges=True, fit_each=False)
+    assert (tmp_path / "a.png").read_bytes()[1:4] == b"PNG" and (tmp_path / "a.html").stat().st_size > 1000
+    with pytest.raises(selvage.Error, match="a.abc"):
+        run.export(tmp_path / "a.abc")
+
+
+def test_bodies_sleep_and_wake():
+    scene = {
+        "selvage_scene": 1, "sleep_speed": 0.2,
+        "bodies": [{"mesh": BOX}, {"mesh": BOX, "translate": [1, 0, 0]}],
+        "colliders": [{"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}],
+    }  # fmt: skip
+    simulation = selvage.Simulation(scene)
+    assert simulation.rest_times.tolist() == [0, 0]
+    simulation.step(400)
+    assert simulation.statistics()["sleeping_bodies"] == 2 and (simulation.rest_times >= 0.5).all()
+    simulation.wake()
+    assert simulation.rest_times.tolist() == [0, 0]
+    simulation.step(1)
+    assert simulation.statistics()["sleeping_bodies"] == 0
+    simulation.step(400)
+    assert simulation.statistics()["sleeping_bodies"] == 2
+    simulation.positions[0, 0] += 1e-3
+    simulation.step(1)
+    assert simulation.statistics()["sleeping_bodies"] == 0
 
 
 def test_scales_and_files(tmp_path):
