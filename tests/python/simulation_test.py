@@ -257,7 +257,7 @@ def test_values_are_changed_as_by_the_program(tmp_path, program):
     assert [frame for frame, _ in checked] == [0, 2, 4]
     for frame, crosses in checked:
         assert json.loads((there.folder / f"checks/frame_{frame:06}.json").read_text())["crosses"] == crosses
-    with pytest.raises(selvage.Error, match="/nowhere"):
+    with pytest.raises(selvage.Error, match="nowhere: is not known"):
         selvage.read_scene(falling(), changes={"/nowhere": 1})
 
 
