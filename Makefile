@@ -124,6 +124,13 @@ docs: python
 	doxygen docs/Doxyfile
 	$(VENV)/bin/python -m sphinx -b html -W --keep-going -q docs build/site
 
+## docs-links  ask for every external link of the docs whether it still leads somewhere; needs the internet, so not in CI
+docs-links: python
+	$(INSTALL) docs
+	doxygen docs/Doxyfile
+	$(VENV)/bin/python -m sphinx -b linkcheck --keep-going -q docs build/links; code=$$?; \
+	  grep -v -e '\[unchecked\]' -e '\[ok\]' build/links/output.txt; exit $$code
+
 ## format      lay out all sources by .clang-format
 format:
 	$(INSTALL) lint
@@ -152,5 +159,5 @@ clean:
 help:
 	@sed -n 's/^## /make /p' $(MAKEFILE_LIST)
 
-.PHONY: demo cli test python test-python wheel test-long test-viewer build-tests sanitize sanitize-memory sanitize-threads fuzz bench check-benchmarks docs \
+.PHONY: demo cli test python test-python wheel test-long test-viewer build-tests sanitize sanitize-memory sanitize-threads fuzz bench check-benchmarks docs docs-links \
         format check-format lint install clean help

@@ -1,181 +1,235 @@
-"""Times selvage beside ipctk, libigl, trimesh (with python-fcl) and VTK, on the same arrays. See README.md."""
+"""Times selvage beside what else there is in Python, on the same arrays: one table. See README.md."""
 
 from __future__ import annotations
 
-import importlib
+import argparse
 import importlib.metadata
 import os
 import platform
-import sys
-import time
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 import selvage
-
-Row = tuple[str, str, float, str]
-
-
-def fastest(work: Callable[[], Any], budget: float = 2.0) -> tuple[float, Any]:
-    """Seconds of the fastest of at least three runs, at most about `budget` seconds in all; and the answer."""
-    best, answer = np.inf, None
-    begin = time.perf_counter()
-    for run in range(1000):
-        start = time.perf_counter()
-        answer = work()
-        best = min(best, time.perf_counter() - start)
-        if run >= 2 and time.perf_counter() - begin > budget:
-            break
-    return best, answer
-
-
-def module(name: str) -> Any:
-    """The package; None where it is not installed."""
-    try:
-        return importlib.import_module(name)
-    except ImportError:
-        return None
-
+from solvers import solvers
+from timing import Row, absent, fastest, module, timed
 
 ipctk, igl, trimesh, fcl, pyvista = (module(name) for name in ("ipctk", "igl", "trimesh", "fcl", "pyvista"))
+cgal = module("igl.copyleft.cgal")
+
+ROOT = Path(__file__).parents[2]
+BROAD_PHASES = ("HashGrid", "SpatialHash", "BVH", "LBVH", "SweepAndPrune", "SweepAndTiniestQueue")
+NARROW_PHASES = ("TightInclusionCCD", "AdditiveCCD")
 
 
-def check(V: np.ndarray, F: np.ndarray) -> list[Row]:
-    """Does a pose meet itself? Most peers answer for pairs of boxes or of objects, not of triangles of one surface."""
-    rows: list[Row] = []
+class Step(NamedTuple):
+    """A surface, and the same one step later."""
 
-    def add(name: str, work: Callable[[], Any], tell: Callable[[Any], str]) -> None:
-        seconds, answer = fastest(work)
-        rows.append(("check", name, seconds, tell(answer)))
+    V0: np.ndarray
+    V1: np.ndarray
+    F: np.ndarray
 
-    add("selvage, pairs", lambda: selvage.self_collisions(V, F), lambda a: f"{len(a)} pairs")
-    add("selvage, any", lambda: selvage.has_self_collisions(V, F), str)
+
+def broad_phases() -> Iterator[tuple[str, Any]]:
+    """Those that this build of ipctk has; of the others None."""
+    for name in BROAD_PHASES:
+        try:
+            yield name, getattr(ipctk, name)()
+        except (AttributeError, RuntimeError):
+            yield name, None
+
+
+def check(V: np.ndarray, F: np.ndarray) -> Iterator[Row]:
+    """Does a pose meet itself? Some peers answer for one surface and another one, not for one with itself."""
+    yield timed("check", "selvage, all pairs", lambda: selvage.self_collisions(V, F), lambda a: f"{len(a)} pairs")
+    yield timed("check", "selvage, any", lambda: selvage.has_self_collisions(V, F))
     if ipctk:
-        mesh = ipctk.CollisionMesh(V, ipctk.edges(F), F)
-        for broad in ("HashGrid", "BVH", "LBVH", "SweepAndPrune"):
-            if hasattr(ipctk, broad):
-                phase = getattr(ipctk, broad)()
-                add(f"ipctk {broad}, any", lambda p=phase: ipctk.has_intersections(mesh, V, p), str)
-    if igl and hasattr(igl, "fast_find_self_intersections"):
-        add("libigl, any", lambda: igl.fast_find_self_intersections(V, F), lambda a: str(bool(np.any(a[0]))))
+        mesh, x = ipctk.CollisionMesh(V, ipctk.edges(F), F), np.asfortranarray(V)
+        for name, phase in broad_phases():
+            if phase is None:
+                yield Row("check", f"ipctk {name}, any", None, "not in this build")
+            else:
+                yield timed("check", f"ipctk {name}, any", lambda p=phase: ipctk.has_intersections(mesh, x, p))
+    else:
+        yield absent("check", "ipctk")
+    if cgal:
+        yield timed(
+            "check", "libigl with CGAL, all pairs", lambda: intersecting_faces(V, F), lambda a: f"{a} pairs, exact"
+        )
+    else:
+        yield absent("check", "libigl with CGAL")
     if pyvista:
         surface = pyvista.PolyData.from_regular_faces(V, F)
-        add("VTK with itself", lambda: surface.collision(surface)[1], lambda a: f"{a} contacts, neighbours included")
-    return rows
+        yield timed(
+            "check", "VTK's collision filter with itself", lambda: surface.collision(surface)[1],
+            lambda a: f"{a} contacts, neighbours included",
+        )  # fmt: skip
+    else:
+        yield absent("check", "pyvista (VTK)")
+    yield Row("check", "trimesh with python-fcl", None, "asks two objects, see below; not one with itself")
 
 
-def step(V0: np.ndarray, V1: np.ndarray, F: np.ndarray) -> list[Row]:
+def intersecting_faces(V: np.ndarray, F: np.ndarray) -> int:
+    """Number of pairs that CGAL finds by way of libigl, which names no parameter for 'detect only' in all versions."""
+    answer = cgal.remesh_self_intersections(V, np.asarray(F, np.int64), detect_only=True)
+    return len(next(part for part in answer if getattr(part, "ndim", 0) == 2 and part.shape[1] == 2))
+
+
+def step(V0: np.ndarray, V1: np.ndarray, F: np.ndarray) -> Iterator[Row]:
     """How far may a step go?"""
-    rows: list[Row] = []
 
-    def add(name: str, work: Callable[[], float]) -> None:
-        seconds, answer = fastest(work)
-        rows.append(("free step", name, seconds, f"{answer:.6f}"))
+    def tell(answer: float) -> str:
+        return f"{answer:.6f}"
 
-    add("selvage", lambda: selvage.free_step(V0, V1, F))
+    yield timed("free step", "selvage", lambda: selvage.free_step(V0, V1, F), tell)
     finder = selvage.ContinuousCollisionFinder(selvage.TriangleMesh(V0, F), V0, V1)
 
     def refit() -> float:
         finder.update(V0, V1)
         return finder.find_free_step()
 
-    add("selvage, refitted", refit)
-    if ipctk:
-        mesh = ipctk.CollisionMesh(V0, ipctk.edges(F), F)
-        for broad in ("HashGrid", "BVH", "LBVH", "SweepAndPrune"):
-            for narrow in ("TightInclusionCCD", "AdditiveCCD"):
-                if hasattr(ipctk, broad) and hasattr(ipctk, narrow):
-                    phase, ccd = getattr(ipctk, broad)(), getattr(ipctk, narrow)()
-                    add(
-                        f"ipctk {broad}, {narrow}",
-                        lambda p=phase, c=ccd: ipctk.compute_collision_free_stepsize(
-                            mesh, V0, V1, broad_phase=p, narrow_phase_ccd=c
-                        ),
-                    )
-    return rows
+    yield timed("free step", "selvage, refitted", refit, tell)
+    if not ipctk:
+        yield absent("free step", "ipctk")
+        return
+    mesh, x0, x1 = ipctk.CollisionMesh(V0, ipctk.edges(F), F), np.asfortranarray(V0), np.asfortranarray(V1)
+    for name, phase in broad_phases():
+        for narrow in NARROW_PHASES:
+            if phase is None:
+                yield Row("free step", f"ipctk {name}, {narrow}", None, "not in this build")
+                continue
+            ccd = getattr(ipctk, narrow)()
+            yield timed(
+                "free step", f"ipctk {name}, {narrow}",
+                lambda p=phase, c=ccd: ipctk.compute_collision_free_stepsize(
+                    mesh, x0, x1, broad_phase=p, narrow_phase_ccd=c
+                ),
+                tell,
+            )  # fmt: skip
 
 
-def distances(V: np.ndarray, F: np.ndarray) -> list[Row]:
+def distances(V: np.ndarray, F: np.ndarray, count: int) -> Iterator[Row]:
     """Closest points and signs of many points around a surface."""
-    rng = np.random.default_rng(0)
-    P = rng.uniform(V.min(0), V.max(0), (20_000, 3))
-    rows: list[Row] = []
+    P = np.random.default_rng(0).uniform(V.min(0), V.max(0), (count, 3))
 
-    def add(what: str, name: str, work: Callable[[], Any]) -> None:
-        seconds, answer = fastest(work)
-        rows.append((what, name, seconds, f"mean {np.abs(np.asarray(answer)).mean():.6g}"))
+    def tell(answer: Any) -> str:
+        return f"mean {np.abs(np.asarray(answer)).mean():.6g}"
 
-    add("closest", "selvage", lambda: selvage.closest_points(P, V, F).distance)
+    closest = f"closest points, {count:,}"
+    yield timed(closest, "selvage", lambda: selvage.closest_points(P, V, F).distance, tell)
     if igl:
-        add("closest", "libigl", lambda: np.sqrt(igl.point_mesh_squared_distance(P, V, F)[0]))
+        yield timed(closest, "libigl", lambda: np.sqrt(igl.point_mesh_squared_distance(P, V, F)[0]), tell)
+    else:
+        yield absent(closest, "libigl")
     if trimesh:
-        surface = trimesh.Trimesh(V, F, process=False)
-        few = P[:1000]
-        add("closest, 1,000", "selvage", lambda: selvage.closest_points(few, V, F).distance)
-        add("closest, 1,000", "trimesh", lambda: trimesh.proximity.closest_point(surface, few)[1])
-    if selvage.SurfaceDistance(selvage.TriangleMesh(V, F)).is_closed:
-        add("signed", "selvage", lambda: selvage.signed_distance(P, V, F).distance)
-        if igl:
-            kind = igl.SIGNED_DISTANCE_TYPE_FAST_WINDING_NUMBER
-            add("signed", "libigl", lambda: igl.signed_distance(P, V, F, kind)[0])
-    return rows
+        surface, few = trimesh.Trimesh(V, F, process=False), P[:1000]
+        yield timed("closest points, 1,000", "selvage", lambda: selvage.closest_points(few, V, F).distance, tell)
+        yield timed(
+            "closest points, 1,000", "trimesh", lambda: trimesh.proximity.closest_point(surface, few)[1], tell
+        )
+    else:
+        yield absent(closest, "trimesh")
+    if not selvage.SurfaceDistance(selvage.TriangleMesh(V, F)).is_closed:
+        yield Row("signed distances", "all", None, "the surface is not closed")
+        return
+    yield timed("signed distances", "selvage", lambda: selvage.signed_distance(P, V, F).distance, tell)
+    if igl:
+        kind = igl.SIGNED_DISTANCE_TYPE_FAST_WINDING_NUMBER
+        yield timed("signed distances", "libigl", lambda: igl.signed_distance(P, V, F, kind)[0], tell)
 
 
-def two_objects(V: np.ndarray, F: np.ndarray) -> list[Row]:
-    """A surface and a copy of it, moved: the question that python-fcl answers."""
-    if not (trimesh and fcl):
-        return []
-    offset = 0.3 * np.ptp(V, axis=0)
-    a, b = trimesh.Trimesh(V, F, process=False), trimesh.Trimesh(V + offset, F, process=False)
+def two_objects(V: np.ndarray, F: np.ndarray) -> Iterator[Row]:
+    """A surface and a copy of it, moved: the question that python-fcl and VTK answer."""
+    moved = V + 0.3 * np.ptp(V, axis=0)
+    mesh, other = selvage.TriangleMesh(V, F), selvage.TriangleMesh(moved, F)
+    yield timed(
+        "two objects", "selvage, all pairs", lambda: selvage.collisions_between(mesh, other),
+        lambda a: f"{len(a)} pairs",
+    )  # fmt: skip
+    if trimesh and fcl:
+        a, b = trimesh.Trimesh(V, F, process=False), trimesh.Trimesh(moved, F, process=False)
 
-    def with_fcl() -> bool:
-        manager = trimesh.collision.CollisionManager()
-        manager.add_object("a", a)
-        return bool(manager.in_collision_single(b))
+        def with_fcl() -> bool:
+            manager = trimesh.collision.CollisionManager()
+            manager.add_object("a", a)
+            return bool(manager.in_collision_single(b))
 
-    def with_selvage() -> bool:
-        one, other = (selvage.SelfCollisionFinder(selvage.TriangleMesh(x, F), asked_once=True) for x in (V, V + offset))
-        return len(one.find_pairs_with(other)) > 0
-
-    return [
-        ("two objects", name, *((lambda t: (t[0], str(t[1])))(fastest(work))))
-        for name, work in (("selvage, all pairs", with_selvage), ("trimesh with python-fcl, any", with_fcl))
-    ]
+        yield timed("two objects", "trimesh with python-fcl, any", with_fcl)
+    else:
+        yield absent("two objects", "trimesh with python-fcl")
+    if pyvista:
+        one, copy = (pyvista.PolyData.from_regular_faces(x, F) for x in (V, moved))
+        yield timed(
+            "two objects", "VTK's collision filter, all", lambda: one.collision(copy)[1], lambda n: f"{n} contacts"
+        )
 
 
 def versions() -> str:
     """Of all that takes part."""
-    names = ("selvage", "numpy", "ipctk", "libigl", "trimesh", "python-fcl", "pyvista", "vtk")
-    told = []
+    names = ("numpy", "ipctk", "libigl", "trimesh", "python-fcl", "pyvista", "vtk", "newton", "warp-lang")
+    told = [f"selvage {selvage.__version__}"]
     for name in names:
         try:
-            told.append(f"{name} {selvage.__version__ if name == 'selvage' else importlib.metadata.version(name)}")
+            told.append(f"{name} {importlib.metadata.version(name)}")
         except importlib.metadata.PackageNotFoundError:
             told.append(f"{name} is not installed")
     return ", ".join(told)
 
 
+def cloth_ball(folder: Path, small: bool) -> Step:
+    """The last two frames of scenes/cloth_ball.json, which is run where the folder does not hold it yet."""
+    scale = "small" if small else ""
+    run = selvage.simulate(
+        ROOT / "scenes" / "cloth_ball.json", folder, scale=scale, frames=30 if small else None, resume=True
+    )
+    return Step(run.frame(-2), run.frame(-1), run.boundary_faces)
+
+
+def own_step(path: str) -> Step:
+    """A mesh of the reader's own; its step makes it 1% larger."""
+    mesh = selvage.as_mesh(path)
+    surface = mesh.surface() if isinstance(mesh, selvage.TetMesh) else mesh
+    middle = surface.V.mean(0)
+    return Step(surface.V, middle + 1.01 * (surface.V - middle), surface.F)
+
+
 def main() -> None:
     """Prints the table."""
-    steps: dict[str, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
-    if len(sys.argv) == 3:
-        before, after = (selvage.as_mesh(path) for path in sys.argv[1:])
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("meshes", nargs="*", help="meshes of your own, such as bunny.obj and dragon.ply")
+    parser.add_argument("--step", nargs=2, metavar=("MESH0", "MESH1"), help="one mesh before and after a step")
+    parser.add_argument("--small", action="store_true", help="small surfaces, to try the script")
+    parser.add_argument("--runs", type=Path, default=ROOT / "build" / "benchmark-python", help="where runs are kept")
+    parser.add_argument("--no-solvers", action="store_true", help="leave out simulation")
+    given = parser.parse_args()
+
+    pipe = selvage.SurfaceSequence("pipe", triangles=4000 if given.small else 0)
+    last = pipe.frame_count - 1
+    steps = {
+        "pipe": Step(pipe.positions(last - 1), pipe.positions(last), pipe.F),
+        "cloth_ball": cloth_ball(given.runs / ("cloth_ball_small" if given.small else "cloth_ball"), given.small),
+    }
+    steps |= {os.path.basename(path): own_step(path) for path in given.meshes}
+    if given.step:
+        before, after = (selvage.as_mesh(path) for path in given.step)
         surface = before.surface() if isinstance(before, selvage.TetMesh) else before
-        steps[os.path.basename(sys.argv[1])] = surface.V, after.V, surface.F
-    else:
-        for name in ("pipe", "crumple"):
-            sequence = selvage.SurfaceSequence(name)
-            last = sequence.frame_count - 1
-            steps[name] = sequence.positions(last - 1), sequence.positions(last), sequence.F
-        ball = selvage.make("ball", radius=1, cell=0.03).surface()
-        steps["ball"] = ball.V, ball.V * 1.01, ball.F
+        steps[os.path.basename(given.step[0])] = Step(surface.V, after.V, surface.F)
+
     print(f"Python {platform.python_version()}, {platform.processor() or platform.machine()}, {os.cpu_count()} cores")
     print(versions())
+    heading = "\n| question | with | seconds | answer |\n| --- | --- | --- | --- |"
     for name, (V0, V1, F) in steps.items():
-        print(f"\n{name}: {len(F)} triangles\n\n| question | with | seconds | answer |\n| --- | --- | --- | --- |")
-        for row in check(V1, F) + step(V0, V1, F) + distances(V0, F) + two_objects(V0, F):
-            print(f"| {row[0]} | {row[1]} | {row[2]:.6f} | {row[3]} |", flush=True)
+        print(f"\n{name}: {len(F):,} triangles\n{heading}")
+        for questions in (
+            check(V1, F), step(V0, V1, F), distances(V0, F, 2000 if given.small else 20_000), two_objects(V0, F),
+        ):  # fmt: skip
+            for row in questions:
+                print(row, flush=True)
+    if not given.no_solvers:
+        print(f"\nSimulation, seconds a step\n{heading}")
+        for row in solvers(given.small):
+            print(row, flush=True)
 
 
 if __name__ == "__main__":
