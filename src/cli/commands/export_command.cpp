@@ -28,7 +28,7 @@ constexpr const char* kExportExample =
     "  .pc2   points for the mesh of a .obj that is written beside it\n"
     "  .glb   glTF 2.0: a morph target a frame\n"
     "  .usda  USD: time samples of the points\n"
-    "See docs/guides/view.md.";
+    "See docs/guides/blender.md.";
 
 void run_export(const ExportOptions& options) {
   OutputFiles outputs;
