@@ -10,6 +10,9 @@ import numpy as np
 import selvage
 from timing import Row, absent, module
 
+warp = module("warp")
+if warp:
+    warp.config.quiet = True  # before newton asks for it
 newton = module("newton")
 
 TIME_STEP = 1 / 600
@@ -74,9 +77,6 @@ def of_selvage(question: str, solver: str, box: selvage.TetMesh, count: int) -> 
 
 def of_newton(question: str, name: str, box: selvage.TetMesh, count: int) -> Row:
     """On the processor. Its soft bodies meet one another as particles (XPBD), or by triangles (VBD)."""
-    import warp
-
-    warp.config.quiet = True
     mu = YOUNG / (2 * (1 + POISSON))
     lame = YOUNG * POISSON / ((1 + POISSON) * (1 - 2 * POISSON))
     builder = newton.ModelBuilder()
