@@ -94,8 +94,8 @@ def of_newton(question: str, name: str, box: selvage.TetMesh, count: int) -> Row
     if name == "SolverVBD":
         options |= {
             "particle_enable_self_contact": True,
-            "particle_self_contact_radius": 0.005,
-            "particle_self_contact_margin": 0.01,
+            "particle_self_contact_margin": 0.005,
+            "particle_self_contact_gap": 0.005,
         }
     solver = getattr(newton.solvers, name)(model, **options)
     states = [model.state(), model.state()]
