@@ -7,6 +7,7 @@ import importlib.metadata
 import os
 import platform
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -51,7 +52,7 @@ def check(V: np.ndarray, F: np.ndarray) -> Iterator[Row]:
             if phase is None:
                 yield Row("check", f"ipctk {name}, any", None, "not in this build")
             else:
-                yield timed("check", f"ipctk {name}, any", lambda p=phase: ipctk.has_intersections(mesh, x, p))
+                yield timed("check", f"ipctk {name}, any", partial(ipctk.has_intersections, mesh, x, phase))
     else:
         yield absent("check", "ipctk")
     if cgal:
@@ -106,8 +107,8 @@ def step(V0: np.ndarray, V1: np.ndarray, F: np.ndarray) -> Iterator[Row]:
             ccd = getattr(ipctk, narrow)()
             yield timed(
                 "free step", f"ipctk {name}, {narrow}",
-                lambda p=phase, c=ccd: ipctk.compute_collision_free_stepsize(
-                    mesh, x0, x1, broad_phase=p, narrow_phase_ccd=c
+                partial(
+                    ipctk.compute_collision_free_stepsize, mesh, x0, x1, broad_phase=phase, narrow_phase_ccd=ccd
                 ),
                 tell,
             )  # fmt: skip
