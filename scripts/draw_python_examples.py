@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import selvage
@@ -26,34 +27,34 @@ def program(*words: object, allowed: tuple[int, ...] = (0,)) -> None:
         raise SystemExit(done.stderr)
 
 
-def check_mesh(made: dict) -> None:
+def check_mesh(made: dict[str, Any]) -> None:
     selvage.write_mesh("mesh.ply", made["mesh"])
     program("check", "mesh.ply", "--json", "pairs.json", allowed=(1,))
     program("render", "pairs.json", "-o", PICTURES / "check_mesh.png", *SIZE)
 
 
-def shortest_paths(made: dict) -> None:
+def shortest_paths(made: dict[str, Any]) -> None:
     selvage.picture(made["mesh"], file=PICTURES / "shortest_paths.png", size=(480, 320))
 
 
-def untangle(made: dict) -> None:
+def untangle(made: dict[str, Any]) -> None:
     selvage.write_mesh("both.vtu", made["mesh"])
     program("render", "both.vtu", "-o", PICTURES / "untangle_before.png", *SIZE)
     selvage.write_mesh("both.vtu", made["free"].V, made["mesh"].T)
     program("render", "both.vtu", "-o", PICTURES / "untangle_after.png", *SIZE)
 
 
-def own_xpbd(made: dict) -> None:
+def own_xpbd(made: dict[str, Any]) -> None:
     selvage.write_mesh("boxes.vtu", made["x"], made["mesh"].T)
     program("render", "boxes.vtu", "-o", PICTURES / "own_xpbd.png", "--edges", *SIZE)
 
 
-def from_ipctk(made: dict) -> None:
+def from_ipctk(made: dict[str, Any]) -> None:
     selvage.write_mesh("sheets.ply", made["V"], made["F"])
     program("render", "sheets.ply", "-o", PICTURES / "from_ipctk.png", "--edges", *SIZE)
 
 
-def sweep_dask(_: dict) -> None:
+def sweep_dask(_: dict[str, Any]) -> None:
     subprocess.run([sys.executable, ROOT / "examples" / "python" / "sweep_dask.py"], check=True, capture_output=True)
     for folder in sorted(Path("sweep").iterdir(), key=lambda path: float(path.name)):
         selvage.Run(folder).render(PICTURES / f"sweep_{folder.name}.png", size=(320, 240), camera="front", edges=True)
