@@ -5,6 +5,7 @@
 #include "scene/files/statistics_table.h"
 #include "selvage/core/error.h"
 #include "selvage/io/mesh_file.h"
+#include "selvage/io/point_cache.h"
 #include "selvage/io/vtu.h"
 
 #include <fcntl.h>
@@ -189,6 +190,10 @@ void RunFolder::begin() const {
     header.fingerprint = scene_.fingerprint;
     write_frame(rest_path(options_.folder), header, scene_.model.rest_positions);
   }
+  for (std::size_t c = 0; c < scene_.colliders.size(); ++c)
+    if (const auto* keyframed = std::get_if<KeyframedShape>(&scene_.colliders[c].shape))
+      if (const fs::path path = options_.folder / keyframes_name(c); is_missing(path))
+        write_text(path, print_point_cache({0, 1, keyframed->positions}));
   if (is_missing(scene_path(options_.folder))) write_text(scene_path(options_.folder), print_scene(scene_));
 }
 

@@ -3,6 +3,7 @@
 #include "io/whole_file.h"
 #include "scene/description/scene_description.h"
 #include "scene/fingerprint.h"
+#include "scene/keyframed_collider.h"
 #include "selvage/core/error.h"
 #include "selvage/geometry/predicates.h"
 #include "selvage/io/mesh_file.h"
@@ -160,8 +161,10 @@ void Assembly::add_handles(const BodyDescription& body, const TwoShapes& shapes,
   }
 }
 
-Collider build_collider(const ColliderDescription& description) {
+Collider build_collider(const ColliderDescription& description, double frames_per_second) {
   Collider collider = description.collider;
+  if (description.keyframes)
+    collider.shape = read_keyframed_shape(*description.keyframes, description.place, frames_per_second);
   if (!description.mesh) return collider;
   IndexedMesh mesh = load_mesh(*description.mesh);
   MeshShape shape;
@@ -196,6 +199,11 @@ std::uint64_t fingerprint_of(const SceneDescription& description, const Scene& s
   print.add(std::span<const Vec3>(scene.model.rest_positions));
   print.add(std::span<const Vec3>(scene.initial_state.positions));
   for (const Collider& collider : scene.colliders) {
+    if (const auto* keyframed = std::get_if<KeyframedShape>(&collider.shape)) {
+      print.add(std::span<const VertexTuple<3>>(keyframed->triangles));
+      print.add(std::span<const double>(keyframed->times));
+      for (const auto& positions : keyframed->positions) print.add(std::span<const Vec3>(positions));
+    }
     const auto* mesh = std::get_if<MeshShape>(&collider.shape);
     if (mesh == nullptr) continue;
     print.add(std::span<const Vec3>(mesh->positions));
@@ -225,7 +233,8 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& path, std:
   for (Vec3& v : scene.initial_state.velocities)
     if (v.norm() > description.options.max_speed) v *= description.options.max_speed / v.norm();
   scene.handles = std::move(all.handles);
-  for (const ColliderDescription& collider : description.colliders) scene.colliders.push_back(build_collider(collider));
+  for (const ColliderDescription& collider : description.colliders)
+    scene.colliders.push_back(build_collider(collider, description.frames_per_second));
   scene.solver = description.solver;
   scene.options = description.options;
   scene.newton = description.newton;

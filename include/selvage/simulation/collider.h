@@ -45,11 +45,22 @@ struct MeshShape {
   std::vector<VertexTuple<3>> triangles;
 };
 
-/// A rigid solid or container that moves by its motion, whatever meets it. It keeps the vertices of bodies out of
-/// its shape, or inside for a container; and its edges, corners and narrow round sides out of bodies, where contacts
-/// are searched for (DetectionMode).
+/// A solid whose surface changes its form by key frames, as a dancer does. The surface is closed, its triangles face
+/// outward and share their vertices.
+struct KeyframedShape {
+  std::vector<VertexTuple<3>> triangles;
+  std::vector<double> times;                 ///< [s] of the key frames, ascending; at least one
+  std::vector<std::vector<Vec3>> positions;  ///< (n_times) of all vertices [m]
+
+  /// The surface at a time: linear between key frames, and at rest before the first and after the last. O(n).
+  MeshShape at(double time) const;
+};
+
+/// A solid or container that moves by its motion, whatever meets it; rigid, but for a KeyframedShape. It keeps the
+/// vertices of bodies out of its shape, or inside for a container; and its edges, corners and narrow round sides out of
+/// bodies, where contacts are searched for (DetectionMode).
 struct Collider {
-  std::variant<PlaneShape, BoxContainer, Bowl, SphereShape, CylinderShape, MeshShape> shape;
+  std::variant<PlaneShape, BoxContainer, Bowl, SphereShape, CylinderShape, MeshShape, KeyframedShape> shape;
   Motion motion{};
   Friction friction{.static_coefficient = 0.3, .dynamic_coefficient = 0.2};
 };

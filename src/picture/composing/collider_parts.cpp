@@ -35,6 +35,7 @@ double angle_of(int i) {
 struct Builder {
   ColliderPart part;
   const Room& room;
+  double time = 0;  ///< [s]
 
   void add_quad(Index a, Index b, Index c, Index d) {
     part.triangles.push_back({a, b, c});
@@ -166,12 +167,14 @@ struct Builder {
     for (const auto& [edge, normals] : faces)
       if (normals.size() != 2 || normals[0].dot(normals[1]) < kEdgeCosine) part.edges.push_back(edge);
   }
+
+  void operator()(const KeyframedShape& s) { (*this)(s.at(time)); }
 };
 
 }  // namespace
 
 ColliderPart make_collider_part(const Collider& collider, double time, const Room& room) {
-  Builder builder{{}, room};
+  Builder builder{{}, room, time};
   std::visit(builder, collider.shape);
   ColliderPart& part = builder.part;
   const RigidTransform place = collider.motion.at(time);

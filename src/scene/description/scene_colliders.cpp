@@ -4,7 +4,7 @@ namespace selvage {
 
 namespace {
 
-constexpr std::array<std::string_view, 6> kShapes{"plane", "box", "bowl", "sphere", "cylinder", "mesh"};
+constexpr std::array<std::string_view, 7> kShapes{"plane", "box", "bowl", "sphere", "cylinder", "mesh", "keyframed"};
 
 PlaneShape read_plane(JsonObject& object) {
   return {object.get("point").vector(), object.get("normal").direction()};
@@ -33,6 +33,33 @@ CylinderShape read_cylinder(JsonObject& object) {
           object.get("length").number(kPositive)};
 }
 
+std::filesystem::path read_path(const JsonValue& value, const std::filesystem::path& folder) {
+  if (value.text().empty() || value.text().find('\0') != std::string::npos)
+    value.fail("is no file name", "name a file");
+  return folder / value.text();
+}
+
+KeyframeSource read_keyframes(const JsonValue& value, const std::filesystem::path& folder) {
+  JsonObject object(value);
+  KeyframeSource source;
+  source.where = value.file() + ": " + value.path();
+  constexpr std::array<std::string_view, 2> kKinds{"mesh", "files"};
+  const auto [kind, chosen] = object.get_one_of(kKinds);
+  if (kind == 0) {
+    source.mesh = read_path(chosen, folder);
+    source.cache = read_path(object.get("pc2"), folder);
+  } else if (chosen.json().is_array()) {
+    for (const JsonValue& item : chosen.items()) source.files.push_back(read_path(item, folder));
+    if (source.files.empty()) chosen.fail("is empty", "list a file for each key frame");
+  } else {
+    source.files.push_back(read_path(chosen, folder));
+  }
+  if (const auto v = object.find("frames_per_second")) source.frames_per_second = v->number(kPositive);
+  if (const auto v = object.find("start")) source.start = v->any_number();
+  object.refuse_others();
+  return source;
+}
+
 }  // namespace
 
 ColliderDescription read_collider(const JsonValue& value, const std::filesystem::path& folder) {
@@ -44,8 +71,12 @@ ColliderDescription read_collider(const JsonValue& value, const std::filesystem:
   if (const auto v = object.find("dynamic_friction"))
     result.collider.friction.dynamic_coefficient = v->number(kNotNegative);
   if (const auto v = object.find("motion")) result.collider.motion = read_motion(*v);
-  if (kShapes[kind] == "mesh") {
-    result.mesh = read_mesh_source(chosen, folder);
+  if (kShapes[kind] == "mesh" || kShapes[kind] == "keyframed") {
+    if (kShapes[kind] == "mesh") {
+      result.mesh = read_mesh_source(chosen, folder);
+    } else {
+      result.keyframes = read_keyframes(chosen, folder);
+    }
     result.place = read_placement(object);
     object.refuse_others();
     return result;

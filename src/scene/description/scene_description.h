@@ -87,11 +87,22 @@ struct BodyDescription {
   std::string where;
 };
 
-/// A collider; of a mesh the shape is filled in when the scene is built.
+/// Where the key frames of a surface come from: a mesh with a point cache, or a mesh for each.
+struct KeyframeSource {
+  std::filesystem::path mesh, cache;  ///< empty: `files`
+  std::vector<std::filesystem::path>
+      files;                     ///< of each key frame; one whose name has a star stands for all that fit it
+  double frames_per_second = 0;  ///< 0: those of the scene
+  double start = 0;              ///< time of the key frame 0 [s]
+  std::string where;             ///< place in the scene, for errors
+};
+
+/// A collider; of a mesh or of key frames the shape is filled in when the scene is built.
 struct ColliderDescription {
   Collider collider;
   std::optional<MeshSource> mesh;
-  Placement place;  ///< of the mesh
+  std::optional<KeyframeSource> keyframes;
+  Placement place;  ///< of the mesh or the key frames
 };
 
 /// The contents of a scene file, checked: kinds of values, ranges, names. No mesh has been read or made.

@@ -1,6 +1,8 @@
 #include "scene/files/scene_json.h"
 #include "core/json.h"
 
+#include <fmt/format.h>
+
 namespace selvage {
 
 namespace {
@@ -91,6 +93,11 @@ struct ShapeJson {
     for (const auto& t : s.triangles) json["triangles"].push_back(t);
     return json;
   }
+  Json operator()(const KeyframedShape& s) const {
+    Json json{{"kind", "keyframed"}, {"times", s.times}, {"triangles", Json::array()}};
+    for (const auto& t : s.triangles) json["triangles"].push_back(t);
+    return json;
+  }
 };
 
 Json json_of(const Collider& collider) {
@@ -108,6 +115,10 @@ Json json_of(const Collider& collider) {
 }
 
 }  // namespace
+
+std::string keyframes_name(std::size_t collider) {
+  return fmt::format("collider_{}.pc2", collider);
+}
 
 std::string print_scene(const Scene& scene) {
   const XpbdOptions& options = scene.options;
@@ -130,7 +141,11 @@ std::string print_scene(const Scene& scene) {
   json["bodies"] = Json::array();
   for (const Body& body : scene.model.bodies) json["bodies"].push_back(json_of(body));
   json["colliders"] = Json::array();
-  for (const Collider& collider : scene.colliders) json["colliders"].push_back(json_of(collider));
+  for (std::size_t c = 0; c < scene.colliders.size(); ++c) {
+    json["colliders"].push_back(json_of(scene.colliders[c]));
+    if (std::holds_alternative<KeyframedShape>(scene.colliders[c].shape))
+      json["colliders"].back()["pc2"] = keyframes_name(c);
+  }
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -2,10 +2,12 @@
 
 #include "core/json.h"
 #include "selvage/core/error.h"
+#include "selvage/io/point_cache.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 
 namespace selvage {
 
@@ -76,7 +78,20 @@ MeshShape read_mesh_shape(const Reader& json) {
   return shape;
 }
 
-Collider read_collider(const Reader& json) {
+KeyframedShape read_keyframed_shape(const Reader& json, const std::filesystem::path& folder) {
+  const std::string name = json.at("pc2").text();
+  if (std::filesystem::path(name).filename() != name) json.refuse("names a file in another folder");
+  KeyframedShape shape;
+  shape.positions = read_point_cache(folder / name).samples;
+  for (const Reader& time : json.at("times").items()) shape.times.push_back(time.number());
+  if (shape.times.size() != shape.positions.size()) json.refuse("has not as many times as its file has key frames");
+  for (const Reader& triangle : json.at("triangles").items())
+    shape.triangles.push_back(triangle.triangle(shape.positions[0].size()));
+  return shape;
+}
+
+/// @param folder  of the file
+Collider read_collider(const Reader& json, const std::filesystem::path& folder) {
   Collider collider;
   const std::string kind = json.at("kind").text();
   if (kind == "plane") {
@@ -92,6 +107,8 @@ Collider read_collider(const Reader& json) {
                                    json.at("length").number()};
   } else if (kind == "mesh") {
     collider.shape = read_mesh_shape(json);
+  } else if (kind == "keyframed") {
+    collider.shape = read_keyframed_shape(json, folder);
   } else {
     json.refuse(fmt::format("is of the unknown kind '{}'", kind));
   }
@@ -112,7 +129,7 @@ std::vector<Collider> read_stored_colliders(const Json& scene, const std::string
   std::vector<Collider> colliders;
   if (scene.is_null()) return colliders;
   for (const Reader& json : Reader(scene, file, "scene").at("colliders").items())
-    colliders.push_back(read_collider(json));
+    colliders.push_back(read_collider(json, std::filesystem::path(file).parent_path()));
   return colliders;
 }
 

@@ -56,6 +56,13 @@ MeshShape grow(const MeshShape& shape, double by) {
   return grown;
 }
 
+KeyframedShape grow(const KeyframedShape& shape, double by) {
+  KeyframedShape grown{shape.triangles, shape.times, {}};
+  for (const auto& positions : shape.positions)
+    grown.positions.push_back(grow(MeshShape{positions, shape.triangles}, by).positions);
+  return grown;
+}
+
 std::vector<PreparedCollider> grow_all(std::span<const Collider> colliders, double by) {
   std::vector<Collider> grown(colliders.begin(), colliders.end());
   for (Collider& collider : grown)
@@ -93,7 +100,7 @@ struct TouchFinder::Impl {
         grown(grow_all(colliders, distance)),
         near(surface, positions, distance, without_neighbours()) {}
 
-  void add_collider_touches(std::span<const Vec3> positions, double time, std::vector<Touch>& touches) const;
+  void add_collider_touches(std::span<const Vec3> positions, double time, std::vector<Touch>& touches);
   void add_body_touches(std::span<const Vec3> positions, std::vector<Touch>& touches);
 };
 
@@ -110,9 +117,12 @@ double TouchFinder::distance() const {
 }
 
 void TouchFinder::Impl::add_collider_touches(std::span<const Vec3> positions, double time,
-                                             std::vector<Touch>& touches) const {
+                                             std::vector<Touch>& touches) {
   std::vector<RigidTransform> places;
-  for (const PreparedCollider& collider : grown) places.push_back(collider.motion.at(time));
+  for (PreparedCollider& collider : grown) {
+    collider.set_step(time, time);
+    places.push_back(collider.motion.at(time));
+  }
   for (Index v = 0; v < surface.vertex_count(); ++v) {
     if (surface.vertex_triangles(v).empty()) continue;
     for (std::size_t i = 0; i < grown.size(); ++i) {

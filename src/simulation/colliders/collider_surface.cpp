@@ -29,6 +29,13 @@ class Builder {
 
   ColliderSurface take() { return std::move(surface_); }
 
+  void add_whole(Index collider, const MeshCollider& mesh) {
+    const auto first = static_cast<Index>(surface_.positions.size());
+    surface_.positions.insert(surface_.positions.end(), mesh.positions().begin(), mesh.positions().end());
+    surface_.collider_of_vertices.resize(surface_.positions.size(), collider);
+    for (const auto& [a, b, c] : mesh.mesh().triangles()) triangle(first + a, first + b, first + c);
+  }
+
   void add(Index collider, const auto& shape) {
     add_shape(shape);
     surface_.collider_of_vertices.resize(surface_.positions.size(), collider);
@@ -291,9 +298,35 @@ double element_size_of(const Model& model) {
 
 ColliderSurface make_collider_surface(std::span<const PreparedCollider> colliders, double element_size) {
   Builder builder(element_size);
-  for (std::size_t c = 0; c < colliders.size() && element_size > 0; ++c)
-    std::visit([&](const auto& shape) { builder.add(static_cast<Index>(c), shape); }, colliders[c].shape);
-  return builder.take();
+  for (std::size_t c = 0; c < colliders.size() && element_size > 0; ++c) {
+    if (colliders[c].surface_motion) {
+      builder.add_whole(static_cast<Index>(c), std::get<MeshCollider>(colliders[c].shape));
+    } else {
+      std::visit([&](const auto& shape) { builder.add(static_cast<Index>(c), shape); }, colliders[c].shape);
+    }
+  }
+  ColliderSurface surface = builder.take();
+  place_keyframed(colliders, element_size, surface);
+  return surface;
+}
+
+void place_keyframed(std::span<const PreparedCollider> colliders, double element_size, ColliderSurface& surface) {
+  if (std::ranges::none_of(colliders, [](const PreparedCollider& c) { return c.surface_motion != nullptr; })) return;
+  surface.start_positions.resize(surface.positions.size());
+  for (std::size_t i = 0; i < surface.positions.size();) {
+    const PreparedCollider& collider = colliders[surface.collider_of_vertices[i]];
+    if (!collider.surface_motion) {
+      surface.start_positions[i] = surface.positions[i];
+      ++i;
+      continue;
+    }
+    const auto& end = std::get<MeshCollider>(collider.shape);
+    std::ranges::copy(inset_positions(collider.surface_motion->start(), kInset * element_size),
+                      surface.start_positions.begin() + static_cast<std::ptrdiff_t>(i));
+    std::ranges::copy(inset_positions(end, kInset * element_size),
+                      surface.positions.begin() + static_cast<std::ptrdiff_t>(i));
+    i += end.positions().size();
+  }
 }
 
 }  // namespace selvage

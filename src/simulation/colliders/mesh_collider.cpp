@@ -2,7 +2,6 @@
 
 #include "bvh/traverse.h"
 #include "selvage/core/error.h"
-#include "selvage/geometry/closest_point.h"
 
 #include <fmt/format.h>
 
@@ -116,8 +115,15 @@ MeshCollider::MeshCollider(const std::string& where, const MeshShape& shape)
   }
   check_closed(where, mesh_);
   check_outward(where, mesh_, positions_);
+  set_positions(std::move(positions_));
+}
+
+void MeshCollider::set_positions(std::vector<Vec3> positions) {
+  positions_ = std::move(positions);
+  bounds_.setEmpty();
   for (const Vec3& p : positions_) bounds_.extend(p);
   std::vector<Box> boxes;
+  triangle_normals_.clear();
   edge_normals_.assign(mesh_.edge_count(), Vec3::Zero());
   vertex_normals_.assign(positions_.size(), Vec3::Zero());
   for (Index t = 0; t < mesh_.triangle_count(); ++t) {
@@ -135,29 +141,33 @@ MeshCollider::MeshCollider(const std::string& where, const MeshShape& shape)
   bvh_ = Bvh(boxes);
 }
 
-std::optional<Hit> MeshCollider::find_hit(const Vec3& p) const {
-  if (!bounds_.contains(p)) return {};
-  ClosestPoint<3, 3> nearest;
-  nearest.squared_distance = std::numeric_limits<double>::infinity();
-  Index triangle = kNone;
+SurfacePlace MeshCollider::find_nearest(const Vec3& p) const {
+  SurfacePlace nearest;
+  nearest.point.squared_distance = std::numeric_limits<double>::infinity();
   visit_nearest(bvh_.nodes(), enclosing_box<3>(p, p), std::numeric_limits<float>::infinity(), [&](Index t, float) {
-    const auto& corners = mesh_.triangles()[t];
-    const auto found =
-        closest_point_on_triangle(p, positions_[corners[0]], positions_[corners[1]], positions_[corners[2]]);
-    if (found.squared_distance < nearest.squared_distance) {
-      nearest = found;
-      triangle = t;
-    }
-    return round_up(nearest.squared_distance);
+    const auto [a, b, c] = corners(t);
+    const auto found = closest_point_on_triangle(p, a, b, c);
+    if (found.squared_distance < nearest.point.squared_distance) nearest = {t, found};
+    return round_up(nearest.point.squared_distance);
   });
-  Vec3 normal = triangle_normals_[triangle];
-  const int missing = std::countr_one(nearest.vertex_mask), only = std::countr_zero(nearest.vertex_mask);
-  if (std::popcount(nearest.vertex_mask) == 2) normal = edge_normals_[mesh_.triangle_edges()[triangle][missing]];
-  if (std::popcount(nearest.vertex_mask) == 1) normal = vertex_normals_[mesh_.triangles()[triangle][only]];
-  const Vec3 way = nearest.point - p;
-  const double depth = way.norm();
-  if (!(way.dot(normal) > 0) || depth == 0) return {};
-  return Hit{way / depth, depth};
+  return nearest;
+}
+
+Vec3 MeshCollider::normal_at(const SurfacePlace& place) const {
+  const unsigned mask = place.point.vertex_mask;
+  if (std::popcount(mask) == 2) return edge_normals_[mesh_.triangle_edges()[place.triangle][std::countr_one(mask)]];
+  if (std::popcount(mask) == 1) return vertex_normals_[mesh_.triangles()[place.triangle][std::countr_zero(mask)]];
+  return triangle_normals_[place.triangle];
+}
+
+std::optional<Hit> MeshCollider::find_hit(const Vec3& p, double distance) const {
+  if (bounds_.squaredExteriorDistance(p) > distance * distance) return {};
+  const SurfacePlace nearest = find_nearest(p);
+  const Vec3 normal = normal_at(nearest), way = nearest.point.point - p;
+  const double length = way.norm();
+  if (way.dot(normal) > 0 && length > 0) return Hit{way / length, length + distance};
+  if (length >= distance) return {};
+  return Hit{length > 0 ? Vec3(-way / length) : Vec3(normal.normalized()), distance - length};
 }
 
 }  // namespace selvage

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "bvh/bvh.h"
+#include "selvage/geometry/closest_point.h"
 #include "selvage/mesh/triangle_mesh.h"
 #include "selvage/simulation/collider.h"
 
@@ -16,6 +17,12 @@ struct Hit {
   double depth;  ///< [m]
 };
 
+/// A point of a surface.
+struct SurfacePlace {
+  Index triangle = kNone;
+  ClosestPoint<3, 3> point;
+};
+
 /// The solid inside a closed surface, as a collider.
 class MeshCollider {
  public:
@@ -23,7 +30,18 @@ class MeshCollider {
   /// @throws Error  when a position is not finite, or the surface is not closed or faces inwards; it names `where`
   MeshCollider(const std::string& where, const MeshShape& shape);
 
-  std::optional<Hit> find_hit(const Vec3& p) const;
+  /// Takes new positions for the same triangles. O(n log n): the hierarchy is built anew, so that what comes back does
+  /// not depend on the positions before.
+  /// @param positions  (n_vertices)
+  void set_positions(std::vector<Vec3> positions);
+
+  /// The point of the surface that is closest to p. O(log n) near the surface.
+  SurfacePlace find_nearest(const Vec3& p) const;
+  std::optional<Hit> find_hit(const Vec3& p) const { return find_hit(p, 0); }
+  /// The shortest way to a distance from the surface, for what is nearer or inside.
+  std::optional<Hit> find_hit(const Vec3& p, double distance) const;
+  /// Unit, outward; zero where triangles around a vertex cancel out.
+  Vec3 vertex_normal(Index vertex) const { return vertex_normals_[vertex].normalized(); }
   std::span<const BvhNode> nodes() const { return bvh_.nodes(); }
   std::array<Vec3, 3> corners(Index triangle) const {
     const auto& [a, b, c] = mesh_.triangles()[triangle];
@@ -34,6 +52,8 @@ class MeshCollider {
   std::span<const Vec3> positions() const { return positions_; }
 
  private:
+  Vec3 normal_at(const SurfacePlace& place) const;
+
   std::vector<Vec3> positions_;
   TriangleMesh mesh_;
   Bvh bvh_;

@@ -114,4 +114,10 @@ std::optional<Passage> find_passage(const MeshCollider& shape, const Vec3& from,
   return passage;
 }
 
+std::optional<Passage> find_passage(const GrownMesh& shape, const Vec3& from, const Vec3& to) {
+  std::optional<Passage> passage = find_passage(shape.mesh, from, to);
+  if (passage) passage->entry += shape.by * passage->entry_normal;
+  return passage;
+}
+
 }  // namespace selvage

@@ -15,6 +15,8 @@ struct Passage {
 std::optional<Passage> find_passage(const SphereShape& sphere, const Vec3& from, const Vec3& to);
 std::optional<Passage> find_passage(const CylinderShape& cylinder, const Vec3& from, const Vec3& to);
 std::optional<Passage> find_passage(const MeshCollider& shape, const Vec3& from, const Vec3& to);
+/// That of the mesh, with the entry so far in front of it.
+std::optional<Passage> find_passage(const GrownMesh& shape, const Vec3& from, const Vec3& to);
 
 /// Whether a point may pass through a shape within a step.
 template <typename Shape>

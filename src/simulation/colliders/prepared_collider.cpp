@@ -68,6 +68,13 @@ PreparedShapes prepare_shape(const std::string& where, const MeshShape& shape) {
   return {MeshCollider(where, shape)};
 }
 
+PreparedShapes prepare_shape(const std::string& where, const KeyframedShape& shape) {
+  demand(!shape.times.empty() && shape.times.size() == shape.positions.size(), where,
+         fmt::format("it has {} key frames and {} times", shape.positions.size(), shape.times.size()),
+         "give as many of both, at least one");
+  return {MeshCollider(where, {shape.positions.front(), shape.triangles})};
+}
+
 }  // namespace
 
 std::vector<PreparedCollider> prepare_colliders(std::span<const Collider> colliders) {
@@ -79,7 +86,12 @@ std::vector<PreparedCollider> prepare_colliders(std::span<const Collider> collid
     demand(collider.friction.static_coefficient >= 0 && collider.friction.dynamic_coefficient >= 0, where,
            "its friction is negative", "give numbers of at least 0");
     for (auto& shape : std::visit([&](const auto& given) { return prepare_shape(where, given); }, collider.shape))
-      prepared.push_back({std::move(shape), collider.motion, collider.friction});
+      prepared.push_back({std::move(shape), collider.motion, collider.friction, nullptr});
+    if (const auto* keyframed = std::get_if<KeyframedShape>(&collider.shape)) {
+      PreparedCollider& last = prepared.back();
+      last.surface_motion = std::make_unique<SurfaceMotion>(where, *keyframed, std::get<MeshCollider>(last.shape));
+      last.set_step(0, 0);
+    }
   }
   return prepared;
 }

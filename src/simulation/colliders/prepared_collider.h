@@ -3,6 +3,7 @@
 #include "selvage/contact/friction.h"
 #include "selvage/simulation/collider.h"
 #include "simulation/colliders/mesh_collider.h"
+#include "simulation/colliders/surface_motion.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,11 +11,27 @@
 
 namespace selvage {
 
-/// A collider as solvers use it. A BoxContainer becomes six planes.
+/// A collider as solvers use it. A BoxContainer becomes six planes, a KeyframedShape its surface at the end of a step.
 struct PreparedCollider {
   std::variant<PlaneShape, Bowl, SphereShape, CylinderShape, MeshCollider> shape;
   Motion motion;
   Friction friction;
+  std::unique_ptr<SurfaceMotion> surface_motion{};  ///< of a KeyframedShape; none of any other
+
+  /// Begins a step: a key-framed surface comes to where it is at its ends. Before the first it is where it is at time
+  /// 0.
+  void set_step(double start_time, double end_time) {
+    if (surface_motion) surface_motion->set_step(start_time, end_time, std::get<MeshCollider>(shape));
+  }
+  /// Whether it moves in the step that set_step() began.
+  bool moves(double start_time, double end_time) const {
+    return motion.differs(start_time, end_time) || (surface_motion && !surface_motion->is_still());
+  }
+  bool is_fixed() const { return motion.keyframes.empty() && !surface_motion; }
+  /// Where a point comes to that moves with the shape in the step, both in the collider's own coordinates.
+  Vec3 carry(const Vec3& p) const {
+    return surface_motion ? surface_motion->carry(p, std::get<MeshCollider>(shape)) : p;
+  }
 };
 
 /// Two unit vectors across an axis: with it they are right-handed.
@@ -60,8 +77,18 @@ inline std::optional<Hit> find_hit(const MeshCollider& mesh, const Vec3& p) {
   return mesh.find_hit(p);
 }
 
+/// What is nearer to a mesh than a distance, and the solid.
+struct GrownMesh {
+  const MeshCollider& mesh;
+  double by;
+};
+
+inline std::optional<Hit> find_hit(const GrownMesh& grown, const Vec3& p) {
+  return grown.mesh.find_hit(p, grown.by);
+}
+
 /// A shape that is thicker on the side where bodies are, so that it holds at its surface the middle of what is twice as
-/// thick. A bowl is so inside, not at its rim; a mesh stays as it is.
+/// thick. A bowl is so inside, not at its rim.
 inline PlaneShape grown(const PlaneShape& plane, double by) {
   return {plane.point + by * plane.normal, plane.normal};
 }
@@ -74,15 +101,15 @@ inline SphereShape grown(const SphereShape& sphere, double by) {
 inline CylinderShape grown(const CylinderShape& cylinder, double by) {
   return {cylinder.centre, cylinder.axis, cylinder.radius + by, cylinder.length + 2 * by};
 }
-inline const MeshCollider& grown(const MeshCollider& mesh, double) {
-  return mesh;
+inline GrownMesh grown(const MeshCollider& mesh, double by) {
+  return {mesh, by};
 }
 
 /// A shape grown for a vertex of cloth: by half of the thickness, where the vertex starts the step at least as far off.
 /// Where it starts nearer, it comes to its distance little by little, without the speed of a push.
-/// @param was  where the vertex starts, in the collider's own coordinates
+/// @param was  where the vertex starts, in the collider's own coordinates, carried along
 template <typename Shape>
-decltype(auto) grown_for(const Shape& shape, double half_thickness, const Vec3& was) {
+auto grown_for(const Shape& shape, double half_thickness, const Vec3& was) {
   constexpr double kPart = 1.0 / 50;
   const std::optional<Hit> hit = find_hit(grown(shape, half_thickness), was);
   const double missing = hit ? hit->depth - kPart * half_thickness : 0.0;

@@ -26,22 +26,32 @@ struct MovingCollider {
   bool is_fixed;
 
   MovingCollider(const PreparedCollider& c, const Step& step)
-      : collider(c),
-        start(c.motion.at(step.start_time)),
-        end(c.motion.at(step.end_time)),
-        is_fixed(c.motion.keyframes.empty()) {}
+      : collider(c), start(c.motion.at(step.start_time)), end(c.motion.at(step.end_time)), is_fixed(c.is_fixed()) {}
+
+  /// Where a vertex starts the step, carried along: in the collider's own coordinates.
+  Vec3 start_of(const Step& step, std::int64_t v) const { return collider.carry(start.invert(step.positions[v])); }
+
+  /// Whether a key-framed surface is far from the way of a vertex. Others answer as fast by themselves.
+  bool is_far(const Step& step, std::int64_t v, double distance, const StepVertex& vertex) const {
+    if (!collider.surface_motion) return false;
+    Eigen::AlignedBox3d way(start.invert(step.positions[v]));
+    way.extend(to_local(vertex));
+    const auto bounds = collider.surface_motion->bounds(std::get<MeshCollider>(collider.shape));
+    return bounds.squaredExteriorDistance(way) > distance * distance;
+  }
 
   /// In the collider's own coordinates, at the end of the step.
   Vec3 to_local(const StepVertex& vertex) const {
     return is_fixed ? Vec3(position(vertex)) : end.invert(position(vertex));
   }
 
+  /// @param was             start_of() the vertex
   /// @param max_correction  what starts the step deeper inside comes out by so much [m]
   template <typename Shape>
-  ColliderContacts push_out(const Shape& shape, const Step& step, std::int64_t v, double max_correction,
-                            const Vec3& ejected, ColliderContactState& state, StepVertex& vertex) const {
+  ColliderContacts push_out(const Shape& shape, const Step& step, std::int64_t v, const Vec3& was,
+                            double max_correction, const Vec3& ejected, ColliderContactState& state,
+                            StepVertex& vertex) const {
     const Vec3 p = to_local(vertex);
-    const Vec3 was = start.invert(step.positions[v]);
     const std::optional<Hit> hit = find_hit_on_way(shape, was, p);
     if (!hit) return {};
     ColliderContacts contacts;
@@ -70,8 +80,8 @@ struct MovingCollider {
   /// Moves a vertex that friction has left inside, or beyond, to the surface once more.
   void set_on_surface(const Step& step, std::int64_t v, double half_thickness, double depth_left,
                       StepVertex& vertex) const {
-    const Vec3 p = to_local(vertex);
-    const Vec3 was = start.invert(step.positions[v]);
+    if (is_far(step, v, half_thickness, vertex)) return;
+    const Vec3 p = to_local(vertex), was = start_of(step, v);
     const std::optional<Hit> hit = std::visit(
         [&](const auto& shape) {
           return half_thickness > 0 ? find_hit_on_way(grown_for(shape, half_thickness, was), was, p)
@@ -83,8 +93,8 @@ struct MovingCollider {
 
   /// Whether a vertex is inside at the end of the step, or has passed, by more than a depth and more than it was.
   bool is_entered(const Step& step, Index v, double least_depth, const StepVertex& vertex) const {
-    const Vec3 p = to_local(vertex);
-    const Vec3 was = start.invert(step.positions[v]);
+    if (is_far(step, v, 0, vertex)) return false;
+    const Vec3 p = to_local(vertex), was = start_of(step, v);
     return std::visit(
         [&](const auto& shape) {
           const std::optional<Hit> hit = find_hit_on_way(shape, was, p);
@@ -175,13 +185,14 @@ class Projection {
                     std::vector<std::int64_t>& pushed, ColliderContacts& hits) {
     for (std::int64_t v = first; v < last; ++v) {
       if (!(vertices_[v].inverse_mass > 0)) continue;
+      const double half = half_thickness_of(v);
+      if (colliders_[c].is_far(step_, v, half, vertices_[v])) continue;
+      const Vec3 was = colliders_[c].start_of(step_, v);
       const auto push_out = [&](const auto& own) {
-        return colliders_[c].push_out(own, step_, v, max_corrections_[v], ejected_[v],
+        return colliders_[c].push_out(own, step_, v, was, max_corrections_[v], ejected_[v],
                                       states_[v * colliders_.size() + c], vertices_[v]);
       };
-      const double half = half_thickness_of(v);
-      const ColliderContacts hit =
-          half > 0 ? push_out(grown_for(shape, half, colliders_[c].start.invert(step_.positions[v]))) : push_out(shape);
+      const ColliderContacts hit = half > 0 ? push_out(grown_for(shape, half, was)) : push_out(shape);
       if (hit.count > 0) pushed.push_back(v);
       hits.add(hit);
     }

@@ -35,6 +35,10 @@ std::vector<VertexTuple<3>> faces_at(const Model& model, std::span<const PathQue
   return faces;
 }
 
+bool is_mesh(const Collider& collider) {
+  return std::holds_alternative<MeshShape>(collider.shape) || std::holds_alternative<KeyframedShape>(collider.shape);
+}
+
 bool share_a_vertex(const VertexTuple<3>& face, const VertexTuple<4>& element) {
   return std::ranges::find_first_of(face, element) != face.end();
 }
@@ -84,8 +88,7 @@ ColliderCrossingFinder::ColliderCrossingFinder(const Model& model, std::span<con
     : model_(&model), colliders_(colliders), handles_(handles) {
   for (const Collider& collider : colliders) {
     parts_.push_back(prepare_colliders({&collider, 1}));
-    const bool is_mesh = std::holds_alternative<MeshShape>(collider.shape);
-    mesh_features_.push_back(is_mesh ? find_features(collider, 0) : ColliderFeatures());
+    mesh_features_.push_back(is_mesh(collider) ? find_features(collider, 0) : ColliderFeatures());
   }
   for (const Body& body : model.bodies) cells_.push_back(mean_edge_of(model, body));
 }
@@ -95,9 +98,10 @@ ColliderCrossingFinder::ColliderCrossingFinder(ColliderCrossingFinder&&) noexcep
 ColliderCrossingFinder& ColliderCrossingFinder::operator=(ColliderCrossingFinder&&) noexcept = default;
 
 std::vector<ColliderCrossings> ColliderCrossingFinder::measure(const BoundaryPathFinder<3>& finder,
-                                                               const State& state) const {
+                                                               const State& state) {
   std::vector<ColliderCrossings> results(colliders_.size());
   if (colliders_.empty()) return results;
+  place_keyframed(state.time);
   const Pose pose(*model_, colliders_, handles_, state);
   std::vector<Sample> samples;
   for (std::size_t c = 0; c < colliders_.size(); ++c)
@@ -107,6 +111,16 @@ std::vector<ColliderCrossings> ColliderCrossingFinder::measure(const BoundaryPat
     }
   measure_points(finder, pose, samples, results);
   return results;
+}
+
+/// Key-framed colliders come to where they are at a time.
+void ColliderCrossingFinder::place_keyframed(double time) {
+  for (std::size_t c = 0; c < colliders_.size(); ++c) {
+    const auto* keyframed = std::get_if<KeyframedShape>(&colliders_[c].shape);
+    if (keyframed == nullptr) continue;
+    parts_[c].front().set_step(time, time);
+    mesh_features_[c] = find_features({keyframed->at(time)}, 0);
+  }
 }
 
 void ColliderCrossingFinder::measure_vertices(std::size_t collider, std::size_t body, const Pose& pose,
@@ -137,9 +151,9 @@ void ColliderCrossingFinder::measure_vertices(std::size_t collider, std::size_t 
 void ColliderCrossingFinder::sample_points(std::size_t collider, std::size_t body, const Pose& pose,
                                            std::vector<Sample>& samples) const {
   const double spacing = kSpacing * cells_[body];
-  const bool is_mesh = std::holds_alternative<MeshShape>(colliders_[collider].shape);
-  const ColliderFeatures made = is_mesh ? ColliderFeatures() : find_features(colliders_[collider], spacing);
-  const ColliderFeatures& features = is_mesh ? mesh_features_[collider] : made;
+  const bool has_mesh = is_mesh(colliders_[collider]);
+  const ColliderFeatures made = has_mesh ? ColliderFeatures() : find_features(colliders_[collider], spacing);
+  const ColliderFeatures& features = has_mesh ? mesh_features_[collider] : made;
   const RigidTransform& place = pose.places[collider];
   const Eigen::AlignedBox3d& box = pose.boxes[body];
   const auto keep = [&](const Vec3& point) {

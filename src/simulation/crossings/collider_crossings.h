@@ -27,11 +27,12 @@ class ColliderCrossingFinder {
 
   /// One answer a collider.
   /// @param finder  of the model's mesh, in the state's pose
-  std::vector<ColliderCrossings> measure(const BoundaryPathFinder<3>& finder, const State& state) const;
+  std::vector<ColliderCrossings> measure(const BoundaryPathFinder<3>& finder, const State& state);
 
  private:
   struct Pose;
   struct Sample;
+  void place_keyframed(double time);
   void measure_vertices(std::size_t collider, std::size_t body, const Pose& pose, ColliderCrossings& result) const;
   void sample_points(std::size_t collider, std::size_t body, const Pose& pose, std::vector<Sample>& samples) const;
   void measure_points(const BoundaryPathFinder<3>& finder, const Pose& pose, std::span<const Sample> samples,
@@ -41,7 +42,7 @@ class ColliderCrossingFinder {
   std::span<const Collider> colliders_;
   std::span<const Handle> handles_;
   std::vector<std::vector<PreparedCollider>> parts_;  ///< of each collider
-  std::vector<ColliderFeatures> mesh_features_;       ///< of each collider that is a mesh
+  std::vector<ColliderFeatures> mesh_features_;       ///< of each collider that is a mesh, key-framed or not
   std::vector<double> cells_;                         ///< of the bodies [m]
 };
 

@@ -108,6 +108,10 @@ ColliderFeatures features_of(const MeshShape& shape, double) {
   return features;
 }
 
+ColliderFeatures features_of(const KeyframedShape& shape, double spacing) {
+  return features_of(MeshShape{shape.positions.front(), shape.triangles}, spacing);
+}
+
 }  // namespace
 
 ColliderFeatures find_features(const Collider& collider, double spacing) {

@@ -67,7 +67,7 @@ void append_collider_terms(const TimeStep& time_step, std::span<const Vec3> x, c
     const RigidTransform start = collider.motion.at(step.start_time), end = collider.motion.at(step.end_time);
     for (Index v = 0; v < potential.vertex_count(); ++v) {
       if (!potential.is_free(v)) continue;
-      const Vec3 was = start.invert(step.positions[v]), p = end.invert(x[v]);
+      const Vec3 was = collider.carry(start.invert(step.positions[v])), p = end.invert(x[v]);
       const double half = half_thickness.empty() ? 0 : half_thickness[v];
       const auto hit = std::visit(
           [&](const auto& shape) {

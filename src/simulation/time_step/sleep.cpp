@@ -90,7 +90,7 @@ void Sleep::begin(const State& state, double start_time, double end_time, std::v
 void Sleep::disturb_near(std::span<const PreparedCollider> colliders, const State& state, double start_time,
                          double end_time) {
   for (const PreparedCollider& collider : colliders) {
-    if (!collider.motion.differs(start_time, end_time)) continue;
+    if (!collider.moves(start_time, end_time)) continue;
     parallel_for(std::ssize(is_disturbed_), 1, [&](std::int64_t b) {
       if (is_disturbed_[b] != 0) return;
       Eigen::AlignedBox3d box = box_of(model_.bodies[b], state.positions);

@@ -48,6 +48,15 @@ struct StepGate::Zone {
       sums.add(1 / model.inverse_masses[v], step.positions[v], targets[v] - step.positions[v]);
     return sums.motion();
   }
+
+  /// The rigid displacement of a zone that a key-framed collider carries along.
+  template <typename Carry>
+  RigidMotion carried_motion(const Step& step, Carry&& carry) const {
+    const Vec3& first = step.positions[vertices.front()];
+    MomentumSums sums(first, carry(first) - first);
+    for (const Index v : vertices) sums.add(1, step.positions[v], carry(step.positions[v]) - step.positions[v]);
+    return sums.motion();
+  }
 };
 
 StepGate::StepGate(const Model& model, Index contact_vertex_count, bool is_strict)
@@ -182,14 +191,22 @@ bool StepGate::move_zones(const Step& step, const Carriers& carriers, std::span<
     const bool stands = shares_[root] < 0;
     const double share = std::max(shares_[root], 0.0);
     RigidMotion base;
-    if (zone.carrier != kNone && shares_[root] != kStandsAlways) {
+    const bool is_carried = zone.carrier != kNone && shares_[root] != kStandsAlways;
+    const PreparedCollider* keyframed = is_carried ? carriers.keyframed(zone.carrier) : nullptr;
+    const auto carry = [&](const Vec3& p) {
+      return keyframed->motion.at(step.end_time)(keyframed->carry(keyframed->motion.at(step.start_time).invert(p)));
+    };
+    if (keyframed != nullptr) {
+      base = zone.carried_motion(step, carry);
+    } else if (is_carried) {
       base = motion_of(carriers.motions[zone.carrier]);
     } else if (!stands) {
       base = zone.free_motion(model_, step, targets_);
     }
     for (const Index v : zone.vertices) {
       if (!(vertices[v].inverse_mass > 0)) continue;
-      const Vec3 from = step.positions[v] + base(step.positions[v]);
+      const Vec3 from =
+          keyframed != nullptr && stands ? carry(step.positions[v]) : Vec3(step.positions[v] + base(step.positions[v]));
       const Vec3 to = from + share * (targets_[v] - from);
       any_moved |= position(vertices[v]) != to;
       for (int i = 0; i < 3; ++i) vertices[v].position[i] = to[i];

@@ -18,6 +18,12 @@ struct Carriers {
   std::span<const double> max_corrections;  ///< (n_contact_vertices) [m]
 
   Index of_collider(Index collider) const { return static_cast<Index>(motions.size() - colliders.size()) + collider; }
+
+  /// The collider that a carrier is, where that changes its form: null for all others.
+  const PreparedCollider* keyframed(Index carrier) const {
+    const Index collider = carrier - of_collider(0);
+    return collider >= 0 && colliders[collider].surface_motion ? &colliders[collider] : nullptr;
+  }
 };
 
 /// Counts of one step.
@@ -40,6 +46,8 @@ struct GateStatistics {
 /// has a base motion: that of the handle that holds one of its vertices, or of the collider that one touches; else the
 /// rigid motion that keeps the zone's momentum and angular momentum. The motion of its vertices relative to the base is
 /// scaled down, more from round to round; under the base motion alone, which is affine, nothing in the zone can meet.
+/// A key-framed collider carries a zone by the rigid motion nearest to that of its surface around; in the last rounds
+/// each vertex by that of the place nearest to it.
 /// Zones that meet others are merged. In the last rounds a zone stands still, or moves with what carries it; the rounds
 /// end when nothing meets, or a round changes nothing. They do end: zones only grow, and there are only so many.
 ///

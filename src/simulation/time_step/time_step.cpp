@@ -48,6 +48,7 @@ TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle>
     : model_(model),
       options_(options),
       handles_(std::move(handles)),
+      element_size_(element_size_of(model)),
       body_of_(bodies_of_vertices(model)),
       half_thickness_(half_thickness_of(model)) {
   check_options(options);
@@ -62,8 +63,7 @@ TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle>
   max_corrections_ = max_corrections_of(model);
   if (options.deformation_damping > 0) damping_.emplace(model);
   if (options.sleep_speed > 0) sleep_.emplace(model, options.sleep_speed, options.gravity);
-  if (options.contact.mode != DetectionMode::kOff)
-    collider_surface_ = make_collider_surface(colliders_, element_size_of(model));
+  if (options.contact.mode != DetectionMode::kOff) collider_surface_ = make_collider_surface(colliders_, element_size_);
   const std::size_t all = vertex_count() + collider_surface_.positions.size();
   vertices_.resize(all);
   ejected_.resize(all, Vec3::Zero());
@@ -90,6 +90,7 @@ void TimeStep::set_step(const State& state) {
            .end_time = static_cast<double>(state.steps + 1) * options_.time_step,
            .positions = state.positions,
            .velocities = state.velocities};
+  for (PreparedCollider& collider : colliders_) collider.set_step(step_.start_time, step_.end_time);
 }
 
 std::vector<std::uint8_t> TimeStep::bodies_with_handles_that_act() const {
@@ -142,13 +143,16 @@ void TimeStep::place_collider_surface(const State& state) {
   start_velocities_.assign(state.velocities.begin(), state.velocities.end());
   start_positions_.resize(vertices_.size());
   start_velocities_.resize(vertices_.size());
+  selvage::place_keyframed(colliders_, element_size_, collider_surface_);
+  const auto& starts =
+      collider_surface_.start_positions.empty() ? collider_surface_.positions : collider_surface_.start_positions;
   std::vector<std::array<RigidTransform, 2>> ends;
   for (const PreparedCollider& collider : colliders_)
     ends.push_back({collider.motion.at(step_.start_time), collider.motion.at(step_.end_time)});
   parallel_for(std::ssize(collider_surface_.positions), kGrain, [&](std::int64_t i) {
     const auto v = static_cast<Index>(vertex_count() + i);
     const auto& [from, to] = ends[collider_surface_.collider_of_vertices[i]];
-    start_positions_[v] = from(collider_surface_.positions[i]);
+    start_positions_[v] = from(starts[i]);
     const Vec3 end = to(collider_surface_.positions[i]);
     start_velocities_[v] = (end - start_positions_[v]) / step_.length();
     place(v, end, 0);

@@ -101,6 +101,7 @@ class TimeStep {
   StepOptions options_;
   std::vector<Handle> handles_;
   std::vector<std::vector<Vec3>> handle_positions_;  ///< of the vertices of each at time 0
+  double element_size_;                              ///< see element_size_of() [m]
   std::vector<Index> body_of_;                       ///< (n_vertices)
   std::vector<double> half_thickness_;               ///< (n_vertices) of cloth [m]; empty where none is thick
   std::vector<PreparedCollider> colliders_;
