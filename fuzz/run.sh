@@ -6,7 +6,7 @@ set -e
 cd "$(dirname "$0")/.."
 seconds=${1:-60}
 [ $# -gt 0 ] && shift
-formats=${*:-obj ply stl off t node mesh msh vtk vtu scene}
+formats=${*:-obj ply stl off t node mesh msh vtk vtu scene pc2}
 cmake --preset asan
 targets=
 for format in $formats; do targets="$targets fuzz_read_$format"; done
