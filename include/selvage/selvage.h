@@ -20,6 +20,7 @@
 #include "selvage/geometry/triangle_triangle.h"
 #include "selvage/io/coloured_ply.h"
 #include "selvage/io/mesh_file.h"
+#include "selvage/io/point_cache.h"
 #include "selvage/io/vtu.h"
 #include "selvage/mesh/indexed_mesh.h"
 #include "selvage/mesh/simplex_mesh.h"

@@ -169,7 +169,7 @@ def write_mesh(path: Path, *mesh: Any, encoding: str = "usual") -> None:
 
 
 @overload
-def make(shape: Literal["cloth"], *, pose: str | None = None, **options: Any) -> TriangleMesh: ...
+def make(shape: Literal["cloth", "sleeve"], *, pose: str | None = None, **options: Any) -> TriangleMesh: ...
 
 
 @overload
@@ -183,7 +183,7 @@ def make(shape: str, *, pose: str | None = None, **options: Any) -> Mesh:
     ----------
     shape : str
         One of `shape_names()`: box, beam, rod, trefoil, nested-knot, noodle, overhand, nested-overhand, ball, torus,
-        tube, squishy-ball, octopus, gear; cloth is a surface.
+        tube, squishy-ball, octopus, gear; cloth and sleeve are surfaces.
     pose : str, optional
         One of `pose_names()`: twist, bend, fold, swirl, self-crossing, overlap. Deforms the mesh so that it runs into
         itself, with no element inverted.

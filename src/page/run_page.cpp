@@ -14,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 
 namespace selvage {
@@ -21,6 +22,14 @@ namespace selvage {
 namespace {
 
 namespace fs = std::filesystem;
+
+bool has_key_frames(const Json& scene) {
+  if (!scene.is_object() || !scene.contains("colliders") || !scene["colliders"].is_array()) return false;
+  return std::ranges::any_of(scene["colliders"], [](const Json& collider) {
+    return collider.is_object() && collider.value("kind", "") == "keyframed";
+  });
+}
+
 std::string count_of(std::int64_t count, std::string_view one, std::string_view many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
@@ -30,6 +39,8 @@ void add_warnings(Page& page, const StoredRun& run) {
   if (run.summary.is_object() && run.summary.contains("message"))
     page.add_warning(fmt::format("The run stopped: {}", run.summary["message"].get<std::string>()));
   if (run.scene.is_null()) page.add_warning("The folder has no scene.json: colliders are not shown.");
+  if (has_key_frames(run.scene))
+    page.add_warning("Colliders that follow key frames are shown as they start; pictures and videos show them move.");
   if (first.penetrating_vertices > 0)
     page.add_warning(fmt::format("Before the first frame {} inside, at most {:.3g} m deep.",
                                  count_of(first.penetrating_vertices, "vertex was", "vertices were"),
@@ -143,6 +154,23 @@ class RunPoses {
   std::optional<TouchFinder> touches_;
 };
 
+/// The scene, with colliders that change their form as meshes in their first key frame: the page moves them no further.
+Json with_first_key_frames(const StoredRun& run) {
+  Json scene = run.scene;
+  const std::vector<Collider> colliders = read_stored_colliders(run.scene, scene_path(run.folder).string());
+  for (std::size_t c = 0; c < colliders.size(); ++c) {
+    const auto* keyframed = std::get_if<KeyframedShape>(&colliders[c].shape);
+    if (keyframed == nullptr) continue;
+    Json& json = scene["colliders"][c];
+    json["kind"] = "mesh";
+    json["positions"] = Json::array();
+    for (const Vec3& p : keyframed->positions.front()) json["positions"].push_back({p[0], p[1], p[2]});
+    json.erase("times");
+    json.erase("pc2");
+  }
+  return scene;
+}
+
 }  // namespace
 
 std::string print_run_page(const fs::path& folder, const RunPageOptions& options) {
@@ -155,7 +183,7 @@ std::string print_run_page(const fs::path& folder, const RunPageOptions& options
   add_bodies(page, run, surface);
   add_statistics(page, run);
   page.head()["marked"] = Json::array();
-  if (run.scene.is_object()) page.head()["scene"] = run.scene;
+  if (run.scene.is_object()) page.head()["scene"] = has_key_frames(run.scene) ? with_first_key_frames(run) : run.scene;
   if (run.summary.is_object()) page.head()["summary"] = run.summary;
   RunPoses(run, surface, options).add_to(page);
   return page.print();

@@ -7,6 +7,7 @@
 #include "selvage/core/error.h"
 #include "selvage/geometry/predicates.h"
 #include "selvage/io/mesh_file.h"
+#include "selvage/shapes/sequences.h"
 #include "simulation/colliders/prepared_collider.h"
 
 #include <fmt/format.h>
@@ -28,9 +29,19 @@ auto at_place(const std::string& where, Make&& make) {
   }
 }
 
+IndexedMesh make_first_frame(const MeshSource& source) {
+  const SurfaceSequence sequence(source.sequence, source.options.elements.value_or(0));
+  IndexedMesh mesh;
+  mesh.positions = sequence.positions(0);
+  mesh.triangles = sequence.triangles();
+  return mesh;
+}
+
 IndexedMesh load_mesh(const MeshSource& source) {
   return at_place(source.where, [&] {
-    IndexedMesh mesh = source.file.empty() ? make_shape(source.shape, source.options) : read_mesh(source.file);
+    IndexedMesh mesh = !source.sequence.empty() ? make_first_frame(source)
+                       : source.file.empty()    ? make_shape(source.shape, source.options)
+                                                : read_mesh(source.file);
     if (source.centre) centre_at_origin(mesh.positions);
     return mesh;
   });

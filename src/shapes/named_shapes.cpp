@@ -74,7 +74,7 @@ IndexedMesh make_rod_of(const Measures& m, double cell) {
 
 constexpr unsigned kRod = kLength | kRadius;
 
-const std::array<NamedShape, 15> kShapes = {{
+const std::array<NamedShape, 16> kShapes = {{
     {"box", kSize, {.size = {1, 1, 1}}, box_cell, unlimited, count_box, make_box_of},
     {"beam",
      kSize,
@@ -180,6 +180,13 @@ const std::array<NamedShape, 15> kShapes = {{
      unlimited,
      [](const Measures& m, double cell) { return cloth_cells(m.size[0], m.size[1], cell).elements; },
      [](const Measures& m, double cell) { return make_cloth(m.size[0], m.size[1], cell); }},
+    {"sleeve",
+     kRod,
+     {.length = 0.6, .radius = 0.1},
+     [](const Measures& m) { return m.radius / 4; },
+     unlimited,
+     [](const Measures& m, double cell) { return sleeve_cells(m.radius, m.length, cell).elements; },
+     [](const Measures& m, double cell) { return make_sleeve(m.radius, m.length, cell); }},
 }};
 
 const NamedShape& find_shape(std::string_view name) {
@@ -252,9 +259,9 @@ class ElementCount {
 }  // namespace
 
 std::span<const std::string_view> shape_names() {
-  static constexpr std::array<std::string_view, 15> kNames = {
+  static constexpr std::array<std::string_view, 16> kNames = {
       "box",  "beam",  "rod",  "trefoil",      "nested-knot", "noodle", "overhand", "nested-overhand",
-      "ball", "torus", "tube", "squishy-ball", "octopus",     "gear",   "cloth"};
+      "ball", "torus", "tube", "squishy-ball", "octopus",     "gear",   "cloth",    "sleeve"};
   return kNames;
 }
 

@@ -59,4 +59,9 @@ inline ShapeCells cloth_cells(double width, double height, double cell) {
   return {columns, rows, 0, 2 * columns * rows};
 }
 
+inline ShapeCells sleeve_cells(double radius, double length, double cell) {
+  const double around = cell_count(2 * std::numbers::pi * radius, cell, 6), along = cell_count(length, cell);
+  return {around, along, 0, 2 * around * along};
+}
+
 }  // namespace selvage

@@ -135,6 +135,35 @@ IndexedMesh make_cloth(double width, double height, double cell) {
   return mesh;
 }
 
+IndexedMesh make_sleeve(double radius, double length, double cell) {
+  check_positive("cell", cell);
+  check_positive("radius", radius);
+  check_positive("length", length);
+  const ShapeCells cells = sleeve_cells(radius, length, cell);
+  check_element_count(cells.elements);
+  const Index around = static_cast<Index>(cells.u), along = static_cast<Index>(cells.v);
+  IndexedMesh mesh;
+  for (Index j = 0; j <= along; ++j)
+    for (Index i = 0; i < around; ++i) {
+      // Each ring is half a cell further: triangles have sides of about one length.
+      const double angle = 2 * std::numbers::pi * (i + 0.5 * (j % 2)) / around;
+      mesh.positions.emplace_back(radius * std::cos(angle), radius * std::sin(angle), length * j / along);
+    }
+  for (Index j = 0; j < along; ++j)
+    for (Index i = 0; i < around; ++i) {
+      const Index next = (i + 1) % around, a = j * around + i, b = j * around + next, c = (j + 1) * around + next,
+                  d = (j + 1) * around + i;
+      if (j % 2 == 0) {
+        mesh.triangles.push_back({a, b, d});
+        mesh.triangles.push_back({b, c, d});
+      } else {
+        mesh.triangles.push_back({a, b, c});
+        mesh.triangles.push_back({a, c, d});
+      }
+    }
+  return mesh;
+}
+
 IndexedMesh concatenate(std::span<const IndexedMesh> meshes) {
   double vertices = 0, tetrahedra = 0, triangles = 0;
   for (const IndexedMesh& mesh : meshes) {

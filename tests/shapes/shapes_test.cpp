@@ -8,6 +8,7 @@
 
 #include "mesh/mesh_checks.h"
 #include "selvage/core/error.h"
+#include "selvage/mesh/triangle_mesh.h"
 
 namespace selvage {
 namespace {
@@ -85,6 +86,32 @@ TEST(Shapes, BoxEndsExactlyAtItsSize) {
   }
   EXPECT_EQ(low, Vec3(0, 0, 0));
   EXPECT_EQ(high, size);
+}
+
+TEST(Shapes, SleeveIsAnOpenTubeThatFacesOutwards) {
+  const double pi = std::numbers::pi;
+  const IndexedMesh sleeve = make_sleeve(0.1, 0.5, 0.02);
+  const TriangleMesh mesh(static_cast<Index>(sleeve.positions.size()), sleeve.triangles);
+  EXPECT_TRUE(mesh.is_oriented());
+  EXPECT_EQ(test::count_orphans(sleeve), 0);
+  Index border = 0;
+  for (Index e = 0; e < mesh.edge_count(); ++e) border += mesh.edge_triangles(e).size() == 1;
+  EXPECT_EQ(border, 2 * 32);  // round the ends
+  double area = 0;
+  for (const auto& t : sleeve.triangles) {
+    const Vec3& p = sleeve.positions[t[0]];
+    const Vec3 normal = (sleeve.positions[t[1]] - p).cross(sleeve.positions[t[2]] - p);
+    EXPECT_GT(normal.dot(Vec3(p[0], p[1], 0)), 0);
+    area += normal.norm() / 2;
+  }
+  EXPECT_NEAR(area, 2 * pi * 0.1 * 0.5, 0.01 * area);
+  EXPECT_EQ(make_sleeve(0.1, 0.5, 9).triangles.size(), 12u);
+  for (const double bad : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_THROW(make_sleeve(bad, 1, 0.1), Error);
+    EXPECT_THROW(make_sleeve(1, bad, 0.1), Error);
+    EXPECT_THROW(make_sleeve(1, 1, bad), Error);
+  }
+  EXPECT_THROW(make_sleeve(1, 1, 1e-5), Error);
 }
 
 TEST(Shapes, ClothIsAFlatManifoldSheet) {

@@ -55,6 +55,10 @@ IndexedMesh make_gear(double radius, double hole_radius, double length, int teet
 /// Rectangular cloth [0, width] x [0, height] in the xy plane, a triangle surface.
 IndexedMesh make_cloth(double width, double height, double cell);
 
+/// Cloth sewn to an open tube, from the plane z = 0 upwards around the z axis: a triangle surface. Of at least six
+/// cells around.
+IndexedMesh make_sleeve(double radius, double length, double cell);
+
 /// Concatenates several meshes into one with several objects; vertices and elements keep their order.
 IndexedMesh concatenate(std::span<const IndexedMesh> meshes);
 
@@ -63,8 +67,9 @@ struct ShapeOptions {
   std::optional<double> cell = {};            ///< edge length of a cell [m]
   std::optional<std::int64_t> elements = {};  ///< instead of `cell`: about this many elements
   std::optional<Vec3> size = {};              ///< box, beam; cloth (x and y) [m]
-  std::optional<double> length = {};          ///< rods, tube, gear [m]
-  std::optional<double> radius = {};  ///< rods, balls, tube (outer), torus (major), gear (tips), octopus (reach) [m]
+  std::optional<double> length = {};          ///< rods, tube, gear, sleeve [m]
+  std::optional<double> radius =
+      {};  ///< rods, balls, sleeve, tube (outer), torus (major), gear (tips), octopus (reach) [m]
   std::optional<double> inner_radius = {};  ///< tube (inner), torus (minor), gear (hole) [m]
   std::optional<int> tentacles = {};        ///< squishy-ball
   std::optional<int> teeth = {};            ///< gear

@@ -48,6 +48,7 @@ constexpr const char* kMakeExample =
     "  octopus          --radius 1 --seed 1 --slenderness 1\n"
     "  gear             --length 0.3 --radius 1 --inner-radius 0.3 --teeth 12\n"
     "  cloth            --size 2 2\n"
+    "  sleeve           --length 0.6 --radius 0.1\n"
     "\n"
     "Where they lie; --centre moves the middle of any of them to the origin:\n"
     "  box, beam        a corner at the origin, along x, y and z\n"
@@ -55,7 +56,7 @@ constexpr const char* kMakeExample =
     "  rod              from the origin along x\n"
     "  overhand, nested-overhand\n"
     "                   along x, the middle of the rope at x = 0\n"
-    "  tube, gear       from the plane z = 0 upwards, around the z axis\n"
+    "  tube, gear, sleeve  from the plane z = 0 upwards, around the z axis\n"
     "  noodle           a coil around the z axis, from z = 0 upwards\n"
     "  trefoil, nested-knot, torus\n"
     "                   around the origin, flat along z\n"
@@ -168,8 +169,9 @@ void add_measures(CLI::App& app, MakeOptions& options) {
   app.add_option("--size", options.size, "Box, beam: three lengths; cloth: two [m]")
       ->expected(2, 3)
       ->type_name("X Y [Z]");
-  app.add_option("--length", m.length, "Rods, tube, gear [m]")->type_name("D");
-  app.add_option("--radius", m.radius, "Rods, balls, tube (outer), torus (major), gear (tips), octopus (reach) [m]")
+  app.add_option("--length", m.length, "Rods, tube, gear, sleeve [m]")->type_name("D");
+  app.add_option("--radius", m.radius,
+                 "Rods, balls, sleeve, tube (outer), torus (major), gear (tips), octopus (reach) [m]")
       ->type_name("D");
   app.add_option("--inner-radius", m.inner_radius, "Tube (inner), torus (minor), gear (hole) [m]")->type_name("D");
   app.add_option("--curve", options.curve, "Rod: the curve it follows: straight, coil, or a knot of the list below")

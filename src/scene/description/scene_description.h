@@ -11,9 +11,10 @@
 
 namespace selvage {
 
-/// Where a mesh comes from: a file, or a shape by name.
+/// Where a mesh comes from: a file, a shape by name, or the first frame of a surface in motion (SurfaceSequence).
 struct MeshSource {
-  std::filesystem::path file;  ///< empty: a shape
+  std::filesystem::path file;  ///< empty: a shape or a sequence
+  std::string sequence;        ///< empty: a shape
   std::string shape;
   ShapeOptions options;
   bool centre = false;  ///< move its middle to the origin
@@ -80,7 +81,8 @@ struct BodyDescription {
 
   bool is_cloth() const {
     return material.kind == BodyMaterial::Kind::kCloth ||
-           (material.kind == BodyMaterial::Kind::kAny && mesh.shape == "cloth");
+           (material.kind == BodyMaterial::Kind::kAny &&
+            (mesh.shape == "cloth" || mesh.shape == "sleeve" || !mesh.sequence.empty()));
   }
   Vec3 velocity = Vec3::Zero();
   std::vector<HandleDescription> handles;

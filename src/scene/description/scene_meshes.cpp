@@ -1,6 +1,8 @@
 // Reads the sources of a scene's meshes, and their placement.
 #include "scene/description/scene_description.h"
 
+#include "selvage/shapes/sequences.h"
+
 #include <fmt/format.h>
 
 #include <numbers>
@@ -133,12 +135,16 @@ MeshSource read_mesh_source(const JsonValue& value, const std::filesystem::path&
   JsonObject object(value);
   MeshSource source;
   source.where = where_of(value);
-  constexpr std::array<std::string_view, 2> kKinds{"file", "shape"};
+  constexpr std::array<std::string_view, 3> kKinds{"file", "shape", "sequence"};
   const auto [kind, chosen] = object.get_one_of(kKinds);
   if (kind == 0) {
     if (chosen.text().empty() || chosen.text().find('\0') != std::string::npos)
       chosen.fail("is no file name", "name a mesh file");
     source.file = folder / chosen.text();
+  } else if (kind == 2) {
+    const auto names = sequence_names();
+    source.sequence = names[chosen.choice(names)];
+    if (const auto v = object.find("elements")) source.options.elements = v->integer(1, std::int64_t{1} << 29);
   } else {
     const auto names = shape_names();
     source.shape = names[chosen.choice(names)];
