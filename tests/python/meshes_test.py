@@ -67,6 +67,7 @@ def test_every_shape_and_pose():
         assert len(selvage.make(shape).V) > 0
     assert set(selvage.pose_names()) >= {"twist", "bend", "swirl"}
     assert isinstance(selvage.make("cloth"), selvage.TriangleMesh)
+    assert isinstance(selvage.make("sleeve"), selvage.TriangleMesh)
     assert selvage.make("box", size=[1, 2, 3], cell=1).V.max(axis=0).tolist() == [1, 2, 3]
 
 

@@ -89,7 +89,6 @@ TEST(Shapes, BoxEndsExactlyAtItsSize) {
 }
 
 TEST(Shapes, SleeveIsAnOpenTubeThatFacesOutwards) {
-  const double pi = std::numbers::pi;
   const IndexedMesh sleeve = make_sleeve(0.1, 0.5, 0.02);
   const TriangleMesh mesh(static_cast<Index>(sleeve.positions.size()), sleeve.triangles);
   EXPECT_TRUE(mesh.is_oriented());

@@ -19,7 +19,7 @@ ColliderCrossings measure(const Model& model, const Collider& collider, std::spa
   State state = make_state(model, model.rest_positions);
   state.time = time;
   const BoundaryPathFinder<3> finder(model.mesh, state.positions);
-  const ColliderCrossingFinder crossings(model, {&collider, 1}, handles);
+  ColliderCrossingFinder crossings(model, {&collider, 1}, handles);
   return crossings.measure(finder, state)[0];
 }
 
