@@ -116,7 +116,7 @@ TEST_F(KeyframedScene, RefusesBadFilesInOneLine) {
   expect(R"({"files": ["open.obj"]})", {"colliders[1].keyframed", "has 1 triangles", "closed surface"});
   expect(R"({"files": "nothing_*.obj"})", {"nothing_*.obj: no file has such a name"});
   expect(R"({"files": ["nothing.obj"]})", {"nothing.obj", "cannot be read"});
-  expect(R"({"files": []})", {"colliders[1].keyframed.files is empty"});
+  expect(R"({"files": []})", {"colliders[1].keyframed.files: is empty"});
   expect(R"({"mesh": "pose_9.obj", "pc2": "short.pc2"})", {"short.pc2: moves 3 vertices, but", "pose_9.obj has 4"});
   expect(R"({"mesh": "pose_9.obj", "pc2": "cut.pc2"})", {"cut.pc2: holds 68 bytes", "not 3 samples of 4 vertices"});
   expect(R"({"mesh": "pose_9.obj", "pc2": "broken.pc2"})", {"broken.pc2: vertex 2 of sample 1 is not finite"});
