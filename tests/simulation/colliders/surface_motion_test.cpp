@@ -91,7 +91,8 @@ TEST(KeyframedShape, TakesBodiesAlongByFrictionAsARigidMotionDoes) {
   for (const bool keyframed : {false, true}) {
     Collider collider{plate, {}, {.static_coefficient = 0.9, .dynamic_coefficient = 0.8}};
     if (keyframed) {
-      collider.shape = keyframes_of(plate, 2, 1, [](const Vec3& p, double t) { return p + t * Vec3(0.6, 0, 0.1); });
+      collider.shape =
+          keyframes_of(plate, 2, 1, [](const Vec3& p, double t) -> Vec3 { return p + t * Vec3(0.6, 0, 0.1); });
     } else {
       collider.motion = motion;
     }
