@@ -165,9 +165,13 @@ std::optional<Hit> MeshCollider::find_hit(const Vec3& p, double distance) const 
   const SurfacePlace nearest = find_nearest(p);
   const Vec3 normal = normal_at(nearest), way = nearest.point.point - p;
   const double length = way.norm();
-  if (way.dot(normal) > 0 && length > 0) return Hit{way / length, length + distance};
-  if (length >= distance) return {};
-  return Hit{length > 0 ? Vec3(-way / length) : Vec3(normal.normalized()), distance - length};
+  const bool is_inside = way.dot(normal) > 0 && length > 0;
+  if (!is_inside && length >= distance) return {};
+  // The way to a surface on which the point lies but for rounding has no direction of its own.
+  constexpr double kOnSurface = 1e-6;
+  const bool lies_on = length <= kOnSurface * distance;
+  const Vec3 out = lies_on ? Vec3(normal.normalized()) : is_inside ? Vec3(way / length) : Vec3(-way / length);
+  return Hit{out, is_inside ? distance + length : distance - length};
 }
 
 }  // namespace selvage

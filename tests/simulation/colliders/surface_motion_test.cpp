@@ -158,7 +158,7 @@ class DanceJudge {
 template <typename Solver, typename Options>
 std::vector<Vec3> dance_under_cloth(int steps, double time_step) {
   const double thickness = 0.006;
-  const Model model = make_sheets({moved(make_cloth(1.2, 1.2, 0.1), {-0.6, -0.6, 0.44})}, cloth(thickness));
+  const Model model = make_sheets({moved(make_cloth(1.2, 1.2, 0.1), {-0.6, -0.6, 0.31})}, cloth(thickness));
   const Collider dancer{keyframes_of(ball_surface(0.3, 0.1), 25, 1, dance), {}, {0.6, 0.5}};
   State state = make_state(model, model.rest_positions);
   Options options;
@@ -174,7 +174,7 @@ std::vector<Vec3> dance_under_cloth(int steps, double time_step) {
     EXPECT_EQ(judge.pairs(before, state), 0) << i;
     EXPECT_EQ(judge.near(state, 0.4 * thickness), 0) << i;
   }
-  EXPECT_GT(pushes, steps);
+  EXPECT_GT(pushes, steps / 10);
   for (const Vec3& p : state.positions) EXPECT_GT(p[2], -0.41);
   return state.positions;
 }
