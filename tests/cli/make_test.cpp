@@ -35,6 +35,7 @@ TEST_F(MakeTest, EveryShapeGoesThroughInfoAndPaths) {
     EXPECT_EQ(info["components"], 1) << name;
     EXPECT_EQ(info["inverted_elements"], 0) << name;
     EXPECT_EQ(info["degenerate_elements"], 0) << name;
+    if (name == "sleeve") continue;  // a surface in space has no inside
     run_well("paths mesh.vtu --json paths.json --quiet");
     const json paths = json::parse(read_text(file("paths.json")));
     EXPECT_EQ(paths["queries"], 0) << name << " is not tangled yet";
