@@ -33,9 +33,9 @@ TEST_F(MakeTest, EveryShapeGoesThroughInfoAndPaths) {
     EXPECT_EQ(info["vertices"], made["vertices"]) << name;
     EXPECT_EQ(info["unused_vertices"], 0) << name;
     EXPECT_EQ(info["components"], 1) << name;
-    EXPECT_EQ(info["inverted_elements"], 0) << name;
     EXPECT_EQ(info["degenerate_elements"], 0) << name;
     if (name == "sleeve") continue;  // a surface in space has no inside
+    EXPECT_EQ(info["inverted_elements"], 0) << name;
     run_well("paths mesh.vtu --json paths.json --quiet");
     const json paths = json::parse(read_text(file("paths.json")));
     EXPECT_EQ(paths["queries"], 0) << name << " is not tangled yet";
