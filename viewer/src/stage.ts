@@ -380,6 +380,8 @@ export class Stage {
     // Without a graphics card, what moves is drawn coarser, and sharp as soon as it stands still.
     const hurry = this.software && this.moving > 0;
     const ratio = this.software ? (hurry ? 0.5 : 1) : Math.min(window.devicePixelRatio, 2);
+    // Smoothing between its coarse pixels would cost a sixth of the pictures a second.
+    this.canvas.style.imageRendering = hurry ? "pixelated" : "auto";
     const buffer = this.renderer.getSize(new THREE.Vector2());
     if (buffer.x !== width || buffer.y !== height || this.renderer.getPixelRatio() !== ratio) {
       this.renderer.setPixelRatio(ratio);
