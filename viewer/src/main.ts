@@ -344,7 +344,8 @@ async function start(): Promise<void> {
     element("details").hidden = false;
     throw new Error("The picture needs WebGL, which this browser does not offer or has switched off. Numbers and charts are below.");
   }
-  const viewer = new Viewer(head, stage, new Poses(head), new Colouring(head, surface, rest));
+  const poses = new Poses(head);
+  const viewer = new Viewer(head, stage, poses, new Colouring(head, surface, rest));
   let frames = 0;
   stage.onDrawn = () => (state.drawn = String(++frames));
   viewer.goTo(0);
@@ -354,6 +355,9 @@ async function start(): Promise<void> {
     requestAnimationFrame(loop);
   };
   requestAnimationFrame(loop);
+  // The first play is then as smooth as the second. A damaged pose is told when somebody wants to see it.
+  const idle = () => new Promise((done) => (window.requestIdleCallback ?? window.setTimeout)(done));
+  poses.decodeAhead(idle).catch(() => {});
 }
 
 start().catch((error: Error) => notify(error.message));

@@ -22,12 +22,24 @@ export class Poses {
     return this.head.times.length;
   }
 
+  /// How many are held at most.
+  private get room(): number {
+    return Math.max(2, Math.floor(this.maxBytes / (6 * this.head.vertices)));
+  }
+
+  /// Decodes the first poses, as many as are held, one after the other: between two it waits for a promise of idle().
+  async decodeAhead(idle: () => Promise<unknown>): Promise<void> {
+    for (let pose = 0; pose < Math.min(this.count, this.room); ++pose) {
+      await idle();
+      await this.places(pose);
+    }
+  }
+
   private hold(pose: number, places: Uint16Array) {
     this.held.delete(pose);
     this.held.set(pose, places);
-    const most = Math.max(2, Math.floor(this.maxBytes / (6 * this.head.vertices)));
     for (const oldest of this.held.keys()) {
-      if (this.held.size <= most) break;
+      if (this.held.size <= this.room) break;
       this.held.delete(oldest);
     }
   }

@@ -46,6 +46,19 @@ describe("poses", () => {
     expect(asked).toEqual(["pose4", "pose5", "pose6", "pose7"]);
   });
 
+  it("are decoded ahead as far as they are held, also while one is asked for", async () => {
+    for (const [bytes, room] of [[400e6, poses], [3 * 6 * count, 3]]) {
+      const { read, asked } = makeReader();
+      const held = new Poses(headOf(), read, bytes);
+      const [, late] = await Promise.all([held.decodeAhead(async () => {}), held.positions(9)]);
+      expect(late[0]).toBe(10 + 9);
+      const before = asked.length;
+      for (const pose of room === poses ? [0, 5, 10] : []) await held.positions(pose);
+      expect(asked.length).toBe(before);
+      expect(new Set(asked.filter((name) => Number(name.slice(4)) < room)).size).toBe(room);
+    }
+  });
+
   it("say so when one is missing", async () => {
     await expect(new Poses(headOf(), async () => null).positions(0)).rejects.toThrow("pose 0 is missing");
   });
