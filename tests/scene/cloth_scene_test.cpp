@@ -160,10 +160,10 @@ INSTANTIATE_TEST_SUITE_P(ByXpbd, ShippedClothScene,
                          name_of);
 
 INSTANTIATE_TEST_SUITE_P(ByVbd, ShippedClothScene,
-                         ::testing::Values(ShippedRun{"twist_cloth", SolverKind::kVbd, 60},
+                         ::testing::Values(ShippedRun{"twist_cloth", SolverKind::kVbd, 160},
                                            ShippedRun{"fifty_layers", SolverKind::kVbd, 60},
                                            ShippedRun{"cloth_ball", SolverKind::kVbd, 60},
-                                           ShippedRun{"cloth_on_octopus", SolverKind::kVbd, 60},
+                                           ShippedRun{"cloth_on_octopus", SolverKind::kVbd, 40},
                                            ShippedRun{"cloth_funnel", SolverKind::kVbd, 60}),
                          name_of);
 
