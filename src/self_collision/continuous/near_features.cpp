@@ -18,7 +18,7 @@ constexpr std::int64_t kMaxStrayedShare = 4;
 
 /// NaN is not near anything.
 bool is_near(const Vec3& a, const Vec3& b, double margin) {
-  return (std::abs(a[0] - b[0]) <= margin) & (std::abs(a[1] - b[1]) <= margin) & (std::abs(a[2] - b[2]) <= margin);
+  return ((a - b).array().abs() <= margin).all();
 }
 
 }  // namespace
