@@ -184,7 +184,7 @@ TEST(KeyframedShape, ClothOnADancerNeverMeetsIt) {
 }
 
 TEST(KeyframedShape, ClothOnADancerNeverMeetsItByNewtonsMethod) {
-  dance_under_cloth<NewtonSolver, NewtonOptions>(static_cast<int>(test::scaled(60, 10)), 1.0 / 240);
+  dance_under_cloth<NewtonSolver, NewtonOptions>(static_cast<int>(test::scaled(60, 20)), 1.0 / 240);
 }
 
 TEST(KeyframedShape, GivesTheSameBitsForAnyNumberOfThreads) {
