@@ -7,6 +7,7 @@
 #include "simulation/cloth_pieces.h"
 #include "simulation/guarded_steps.h"
 #include "simulation/vbd/vertex_colours.h"
+#include "test_scale.h"
 
 #include <tbb/global_control.h>
 
