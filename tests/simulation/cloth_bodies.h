@@ -1,5 +1,6 @@
 #pragma once
 
+#include "random.h"
 #include "selvage/self_collision/continuous_collision.h"
 #include "simulation/bodies.h"
 
@@ -46,6 +47,35 @@ inline Model make_with_block(const IndexedMesh& block, const std::vector<Indexed
 
 inline Model make_sheets(const std::vector<IndexedMesh>& sheets, const ClothMaterial& material) {
   return make_with_block({}, sheets, {}, material);
+}
+
+struct FlyingSheets {
+  Model model;
+  State state;
+};
+
+/// Strips and squares that fly at one another, turned, some with sharp or nearly degenerate triangles.
+inline FlyingSheets make_flying_sheets(test::Random& random, int count) {
+  std::vector<IndexedMesh> meshes;
+  for (int i = 0; i < count; ++i) {
+    IndexedMesh sheet = random.below(2) == 0 ? make_cloth(0.4, 0.4, 0.1) : make_cloth(0.8, 0.05, 0.05);
+    if (random.below(3) == 0)
+      for (Vec3& p : sheet.positions) p += random.vector(0.02);
+    const Eigen::Matrix3d turn =
+        Eigen::AngleAxisd(random.within(0, 3), random.vector(1).normalized()).toRotationMatrix();
+    for (Vec3& p : sheet.positions) p = turn * p;
+    meshes.push_back(moved(sheet, Vec3(0.9 * (i & 1), 0.9 * (i >> 1 & 1), 0.9 * (i >> 2))));
+  }
+  const double thickness = random.below(2) == 0 ? 0 : 0.004;
+  Model model = make_sheets(meshes, random.below(2) == 0 ? cloth(thickness) : woven(thickness));
+  State state = make_state(model, model.rest_positions);
+  const double speed = random.within(5, 40);
+  for (const Body& body : model.bodies) {
+    const Vec3 to = Vec3(0.6, 0.6, 0.2) - state.positions[body.first_vertex];
+    for (Index v = body.first_vertex; v < body.first_vertex + body.vertex_count; ++v)
+      state.velocities[v] = speed * to + random.vector(0.5);
+  }
+  return {std::move(model), std::move(state)};
 }
 
 /// Exact detection over steps, of all pairs of a model's surface.

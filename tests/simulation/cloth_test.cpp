@@ -275,29 +275,10 @@ TEST(Cloth, LeavesElementsInWhichItStarts) {
   EXPECT_TRUE(ClothJudge(model).is_free(state));
 }
 
-/// Strips, squares and ribbons that fly at one another, with some sharp or nearly degenerate triangles.
 void expect_nothing_meets(std::uint64_t seed, std::int64_t& met, std::int64_t& held) {
   test::Random random(seed);
-  std::vector<IndexedMesh> meshes;
   const int count = 3 + static_cast<int>(random.below(3));
-  for (int i = 0; i < count; ++i) {
-    IndexedMesh sheet = random.below(2) == 0 ? make_cloth(0.4, 0.4, 0.1) : make_cloth(0.8, 0.05, 0.05);
-    if (random.below(3) == 0)
-      for (Vec3& p : sheet.positions) p += random.vector(0.02);
-    const Eigen::Matrix3d turn =
-        Eigen::AngleAxisd(random.within(0, 3), random.vector(1).normalized()).toRotationMatrix();
-    for (Vec3& p : sheet.positions) p = turn * p;
-    meshes.push_back(moved(sheet, Vec3(0.9 * (i & 1), 0.9 * (i >> 1 & 1), 0.9 * (i >> 2))));
-  }
-  const double thickness = random.below(2) == 0 ? 0 : 0.004;
-  const Model model = make_sheets(meshes, random.below(2) == 0 ? cloth(thickness) : woven(thickness));
-  State state = make_state(model, model.rest_positions);
-  const double speed = random.within(5, 40);
-  for (const Body& body : model.bodies) {
-    const Vec3 to = Vec3(0.6, 0.6, 0.2) - state.positions[body.first_vertex];
-    for (Index v = body.first_vertex; v < body.first_vertex + body.vertex_count; ++v)
-      state.velocities[v] = speed * to + random.vector(0.5);
-  }
+  auto [model, state] = make_flying_sheets(random, count);
   const ClothJudge judge(model);
   if (!judge.is_free(state)) return;
   XpbdSolver solver(model, state, {}, {Collider{PlaneShape{{0, 0, -1}, Vec3::UnitZ()}, {}, {}}}, guaranteed());

@@ -237,29 +237,10 @@ TEST(VbdCloth, SheetsLieOnOneAnotherOnABlockOfElements) {
   EXPECT_GT(height(1), -0.25);
 }
 
-/// Strips and squares that fly at one another, turned and jittered at random; sweeps are few and steps are long, so
-/// that the gate at the end of a step has something to hold back.
+/// Sweeps are few and steps are long, so that the gate at the end of a step has something to hold back.
 void expect_nothing_meets(std::uint64_t seed, std::int64_t& met, std::int64_t& held) {
   test::Random random(seed);
-  std::vector<IndexedMesh> meshes;
-  for (int i = 0; i < 3; ++i) {
-    IndexedMesh sheet = random.below(2) == 0 ? make_cloth(0.4, 0.4, 0.1) : make_cloth(0.8, 0.05, 0.05);
-    if (random.below(3) == 0)
-      for (Vec3& p : sheet.positions) p += random.vector(0.02);
-    const Eigen::Matrix3d turn =
-        Eigen::AngleAxisd(random.within(0, 3), random.vector(1).normalized()).toRotationMatrix();
-    for (Vec3& p : sheet.positions) p = turn * p;
-    meshes.push_back(moved(sheet, Vec3(0.9 * (i & 1), 0.9 * (i >> 1), 0)));
-  }
-  const double thickness = random.below(2) == 0 ? 0 : 0.004;
-  const Model model = make_sheets(meshes, random.below(2) == 0 ? cloth(thickness) : woven(thickness));
-  State state = make_state(model, model.rest_positions);
-  const double speed = random.within(5, 40);
-  for (const Body& body : model.bodies) {
-    const Vec3 to = Vec3(0.6, 0.6, 0.2) - state.positions[body.first_vertex];
-    for (Index v = body.first_vertex; v < body.first_vertex + body.vertex_count; ++v)
-      state.velocities[v] = speed * to + random.vector(0.5);
-  }
+  auto [model, state] = make_flying_sheets(random, 3);
   const ClothJudge judge(model);
   if (!judge.is_free(state)) return;
   VbdOptions options = guaranteed_vbd(random.below(2) == 0 ? 1.0 / 300 : 1.0 / 60);
