@@ -113,17 +113,21 @@ void expect_same_contacts(const std::vector<Contact>& kept, const std::vector<Co
   }
 }
 
-/// Steps from pose to pose, by each motion in turn; some begin elsewhere than the last one ended.
+/// Steps from pose to pose, by each motion in turn; some begin elsewhere than the last one ended. Where distances
+/// squared overflow, which of the ways out is the shortest depends on the order in which they are tried.
 void expect_same_over_steps(const Solid& solid, Random& random) {
   const TetMesh mesh = solid.mesh();
   ContactFinder kept(mesh, {}, solid.positions, {}, in_mode(DetectionMode::kHybrid));
   Positions t0 = solid.positions;
+  bool overflows = false;
   for (const solids::Motion& motion : solids::motions()) {
     Positions t1 = t0;
     motion.move(t1, random);
-    contacts_of_step(kept, t0, t1);
+    const std::vector<Contact> contacts = contacts_of_step(kept, t0, t1);
     ContactFinder fresh(mesh, {}, t0, {}, in_mode(DetectionMode::kHybrid));
-    fresh.begin_step(t0);
+    const std::vector<Contact> contacts_afresh = contacts_of_step(fresh, t0, t1);
+    overflows |= motion.name == "blown_up";
+    if (!overflows) expect_same_contacts(contacts, contacts_afresh);
     expect_same_start(kept, fresh);
     t0 = t1;
     if (random.below(4) == 0) t0[random.below(t0.size())] += random.vector(0.01);
