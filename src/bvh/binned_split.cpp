@@ -75,9 +75,11 @@ RangeSplitter::RangeSplitter(std::span<const Box> boxes, BuildQuality quality)
     : quality_(quality), refs_(std::make_unique_for_overwrite<PrimitiveRef[]>(boxes.size())) {
   const Index count = static_cast<Index>(boxes.size());
   if (count > kParallelSize) scratch_ = std::make_unique_for_overwrite<PrimitiveRef[]>(boxes.size());
-  parallel_for(count, kChunk, [&](std::int64_t i) { refs_[i] = make_ref(boxes[i], static_cast<Index>(i)); });
+  // Few are made by the thread that splits them first: it would wait longer for those of other cores.
+  const Index chunk = count > kParallelSize ? kChunk : std::max<Index>(count, 1);
+  parallel_for(count, chunk, [&](std::int64_t i) { refs_[i] = make_ref(boxes[i], static_cast<Index>(i)); });
   const BoundsPair all =
-      parallel_reduce<BoundsPair>(count, kChunk, [&](std::int64_t i, std::int64_t end, BoundsPair& r) {
+      parallel_reduce<BoundsPair>(count, chunk, [&](std::int64_t i, std::int64_t end, BoundsPair& r) {
         SELVAGE_DISPATCH(merge_refs, refs_.get() + i, static_cast<Index>(end - i), 1, r.bounds, r.centres);
       });
   float extents[4];

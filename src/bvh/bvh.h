@@ -1,6 +1,7 @@
 #pragma once
 
 #include "bvh/box.h"
+#include "core/unset_vector.h"
 #include "selvage/core/types.h"
 
 #include <cstddef>
@@ -87,7 +88,7 @@ class Bvh {
 
  private:
   Index primitive_count_ = 0;
-  std::vector<BvhNode> nodes_;
+  UnsetVector<BvhNode> nodes_;
   std::vector<Index> levels_ = {0};
   bool flat_ = false;        ///< the boxes that it was built over lie in a plane across an axis
   float measure_scale_ = 1;  ///< 1 / largest extent when built

@@ -1,12 +1,13 @@
 #pragma once
 
 #include "bvh/bvh.h"
+#include "core/unset_vector.h"
 
 namespace selvage {
 
 /// A tree without bounds.
 struct BvhTopology {
-  std::vector<BvhNode> nodes;  ///< children, parents and counts are set, bounds are not
+  UnsetVector<BvhNode> nodes;  ///< children, parents and counts are set, bounds are not
   std::vector<Index> levels;
   bool flat;             ///< all boxes lie in a plane across an axis
   float largest_extent;  ///< of the box of all primitives

@@ -72,10 +72,11 @@ bool LaneSearch<D>::was_dismissed(const VertexTuple<D>& ids) const {
   return false;
 }
 
-/// The feature is not that of the answer, through whatever face it is found.
+/// The feature is not that of the answer, through whatever face it is found: also by the rules for inverted elements,
+/// where the owners of all its faces hang together through faces that the line meets in it.
 template <int D>
 void LaneSearch<D>::dismiss(const Candidate<D>& candidate) {
-  if (candidate.target.count < D && !follows_inverted_rules(candidate) && !is_split(input_, candidate))
+  if (candidate.target.count < D && !is_split(input_, candidate))
     dismissed_[dismissed_count_++ % kDismissed] = candidate.ids;
 }
 

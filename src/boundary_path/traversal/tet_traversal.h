@@ -81,7 +81,8 @@ class TetTraversal {
 
   KernelVector<Index> elements_at_point() const;
   bool face_holds_point(Index element, int face) const;
-  bool line_passes(const Segment<D>& segment, Index element, int face) const;
+  bool find_sides(const Segment<D>& segment, const RaySpaceVertex (&corners)[D], bool& in_plane) const;
+  bool line_passes(const Segment<D>& segment, Index element, int face, const RaySpaceVertex (&vertices)[D + 1]) const;
   bool is_at_corner(Index element, const Candidate<D>& candidate) const;
   bool contains_target(Index element, const Candidate<D>& candidate) const;
   bool select_first_exit_face(const Segment<D>& segment, ExitFace& exit_face) const;
@@ -332,28 +333,48 @@ bool TetTraversal<D>::face_holds_point(Index element, int face) const {
   return true;
 }
 
-/// Whether the whole line through p and s meets face i of an element, not too far from s.
+/// The sides of a face's edges (3D) or vertices (2D) as the line sees them, exactly: all of them 0 where it lies in the
+/// face's plane. False as soon as two that are clear say that the line passes beside the face.
 template <int D>
-bool TetTraversal<D>::line_passes(const Segment<D>& segment, Index element, int face) const {
-  const auto ids = SimplexMesh<D>::face_of(input_.elements[element].vertices, face);
-  RaySpaceVertex corners[D];
-  for (int i = 0; i < D; ++i) corners[i] = segment.to_ray_space(ids[i]);
-  int positive = 0, negative = 0;
-  for (int i = 0; i < D; ++i) {
-    int side;
+bool TetTraversal<D>::find_sides(const Segment<D>& segment, const RaySpaceVertex (&corners)[D], bool& in_plane) const {
+  int sides[D], positive = 0, negative = 0;
+  const auto side = [&](int i, auto&& ask) {
     if constexpr (D == 3)
-      side = segment.side(corners[i], corners[(i + 1) % D]);
+      return ask(corners[i], corners[(i + 1) % D]);
     else
-      side = segment.side(corners[i]);
-    positive += side > 0;
-    negative += side < 0;
-  }
-  if (positive + negative == 0) {  // the line lies in the plane of the face
-    segment.count_exact();
-    return segment.exact().touches_within_reach(face_points(element, face));
-  }
-  const bool through = D == 3 ? positive == 0 || negative == 0 : positive < D && negative < D;
-  return through && segment.within_reach(segment.crossing(corners), corners);
+      return ask(corners[i]);
+  };
+  const auto count = [&] {
+    positive = negative = 0;
+    for (int i = 0; i < D; ++i) {
+      positive += sides[i] > 0;
+      negative += sides[i] < 0;
+    }
+    return D == 3 ? positive == 0 || negative == 0 : positive < D && negative < D;
+  };
+  for (int i = 0; i < D; ++i) sides[i] = side(i, [&](const auto&... of) { return segment.clear_side(of...); });
+  if (!count()) return false;
+  for (int i = 0; i < D; ++i)
+    if (sides[i] == 0) sides[i] = side(i, [&](const auto&... of) { return segment.side(of...); });
+  const bool through = count();
+  in_plane = positive + negative == 0;
+  return through;
+}
+
+/// Whether the whole line through p and s meets a face, not too far from s.
+template <int D>
+bool TetTraversal<D>::line_passes(const Segment<D>& segment, Index element, int face,
+                                  const RaySpaceVertex (&vertices)[D + 1]) const {
+  VertexTuple<D + 1> all;
+  for (int i = 0; i <= D; ++i) all[i] = i;
+  const auto of_face = SimplexMesh<D>::face_of(all, face);
+  RaySpaceVertex corners[D];
+  for (int i = 0; i < D; ++i) corners[i] = vertices[of_face[i]];
+  bool in_plane;
+  if (!find_sides(segment, corners, in_plane)) return false;
+  if (!in_plane) return segment.within_reach(segment.crossing(corners), corners);
+  segment.count_exact();
+  return segment.exact().touches_within_reach(face_points(element, face));
 }
 
 template <int D>
@@ -370,9 +391,12 @@ bool TetTraversal<D>::follow_backwards(const Candidate<D>& candidate) const {
     if (!visited.insert(entry.element())) continue;
     count_element();
     if (contains(goals, entry.element())) return true;
+    RaySpaceVertex vertices[D + 1];
+    for (int i = 0; i <= D; ++i) vertices[i] = segment.to_ray_space(input_.elements[entry.element()].vertices[i]);
     for (int i = 0; i <= D; ++i) {
       const Index next = input_.elements[entry.element()].neighbours[i];
-      if (i != entry.face() && next >= 0 && line_passes(segment, entry.element(), i)) pending.push_back(HalfFace{next});
+      if (i == entry.face() || next < 0 || visited.contains(HalfFace{next}.element())) continue;
+      if (line_passes(segment, entry.element(), i, vertices)) pending.push_back(HalfFace{next});
     }
   }
   return false;

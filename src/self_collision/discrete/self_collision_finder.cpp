@@ -115,7 +115,8 @@ struct SelfCollisionFinder::Impl {
   void build() {
     bvh = Bvh(pose.boxes(mesh), options.asked_once ? BuildQuality::kFast : BuildQuality::kBest);
     leaves = list_leaf_vertices(bvh, mesh.triangles());
-    neighbours = list_neighbours(bvh, leaves);
+    // One search finds neighbours in less time than it takes to list them, and on all threads.
+    neighbours = options.asked_once ? std::vector<NeighbourPair>() : list_neighbours(bvh, leaves);
     if (is_culling()) pieces = SurfacePieces(mesh, bvh);
   }
 

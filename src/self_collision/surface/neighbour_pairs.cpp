@@ -130,7 +130,10 @@ SelfWork split_self_work(const Bvh& bvh, std::span<const NeighbourPair> neighbou
         [](const PrimitivePairs&) {});
     for (Index place = piece.first + 1; place < piece.last; place = neighbours[place].end) add_listed(smaller, place);
   };
-  if (!neighbours.empty()) add_listed(work.pieces, 0);
+  if (!neighbours.empty())
+    add_listed(work.pieces, 0);
+  else if (!nodes.empty())
+    add(work.pieces, {{0, 0, false, false}, true});
   while (!work.pieces.empty() && work.pieces.size() < wanted) {
     smaller.clear();
     for (const SelfPiece& piece : work.pieces) cut(piece);
