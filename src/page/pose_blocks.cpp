@@ -18,8 +18,8 @@ std::vector<double> list_of(const Vec3& v) {
 
 }  // namespace
 
-PoseBlocks::PoseBlocks(Page& page, const ShownSurface& surface, const PoseBox& box)
-    : page_(page), surface_(surface), box_(box), step_((box.upper - box.lower) / kSteps) {}
+PoseBlocks::PoseBlocks(Page& page, const ShownSurface& surface, const PoseBox& box, std::string prefix)
+    : page_(page), surface_(surface), box_(box), step_((box.upper - box.lower) / kSteps), prefix_(std::move(prefix)) {}
 
 void PoseBlocks::add(std::span<const Vec3> positions, double time) {
   const std::size_t count = surface_.vertices.size();
@@ -36,15 +36,19 @@ void PoseBlocks::add(std::span<const Vec3> positions, double time) {
     for (std::size_t i = 1; i < 3 * count; ++i)
       if (i % count != 0) before_[i] = places[i - 1];
   }
-  page_.add_block(fmt::format("pose{}", times_.size()), pack_differences(places, before_));
+  page_.add_block(fmt::format("{}pose{}", prefix_, times_.size()), pack_differences(places, before_));
   before_ = std::move(places);
   times_.push_back(time);
 }
 
 void PoseBlocks::finish() {
-  page_.head()["box"] = {{"lower", list_of(box_.lower)}, {"step", list_of(step_)}};
+  page_.head()["box"] = box();
   page_.head()["times"] = times_;
   page_.head()["key_interval"] = kKeyInterval;
+}
+
+nlohmann::ordered_json PoseBlocks::box() const {
+  return {{"lower", list_of(box_.lower)}, {"step", list_of(step_)}};
 }
 
 }  // namespace selvage

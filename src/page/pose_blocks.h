@@ -23,15 +23,19 @@ struct PoseBox {
 /// reader can begin there. Coordinates are off by at most half a step.
 class PoseBlocks {
  public:
-  PoseBlocks(Page& page, const ShownSurface& surface, const PoseBox& box);
+  /// @param prefix  of the names of blocks
+  PoseBlocks(Page& page, const ShownSurface& surface, const PoseBox& box, std::string prefix = {});
 
-  /// Appends a pose as block `pose<number>`.
+  /// Appends a pose as block `<prefix>pose<number>`.
   /// @param positions  of all vertices of the mesh, in the box
   /// @param time       [s], or what stands for it
   void add(std::span<const Vec3> positions, double time);
 
   /// Says in the page how many there are; after the last.
   void finish();
+
+  /// The box, as the page has it.
+  nlohmann::ordered_json box() const;
 
   static constexpr std::size_t kKeyInterval = 16;
 
@@ -40,6 +44,7 @@ class PoseBlocks {
   const ShownSurface& surface_;
   PoseBox box_;
   Vec3 step_;
+  std::string prefix_;
   std::vector<std::uint16_t> before_;
   std::vector<double> times_;
 };

@@ -2,6 +2,7 @@
 
 #include "core/json.h"
 #include "page/encoding.h"
+#include "page/form_blocks.h"
 #include "page/marks.h"
 #include "page/page.h"
 #include "page/page_surface.h"
@@ -23,13 +24,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool has_key_frames(const Json& scene) {
-  if (!scene.is_object() || !scene.contains("colliders") || !scene["colliders"].is_array()) return false;
-  return std::ranges::any_of(scene["colliders"], [](const Json& collider) {
-    return collider.is_object() && collider.value("kind", "") == "keyframed";
-  });
-}
-
 std::string count_of(std::int64_t count, std::string_view one, std::string_view many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
@@ -39,8 +33,6 @@ void add_warnings(Page& page, const StoredRun& run) {
   if (run.summary.is_object() && run.summary.contains("message"))
     page.add_warning(fmt::format("The run stopped: {}", run.summary["message"].get<std::string>()));
   if (run.scene.is_null()) page.add_warning("The folder has no scene.json: colliders are not shown.");
-  if (has_key_frames(run.scene))
-    page.add_warning("Colliders that follow key frames are shown as they start; pictures and videos show them move.");
   if (first.penetrating_vertices > 0)
     page.add_warning(fmt::format("Before the first frame {} inside, at most {:.3g} m deep.",
                                  count_of(first.penetrating_vertices, "vertex was", "vertices were"),
@@ -97,7 +89,11 @@ void add_bodies(Page& page, const StoredRun& run, const ShownSurface& surface) {
 class RunPoses {
  public:
   RunPoses(const StoredRun& run, const ShownSurface& surface, const RunPageOptions& options)
-      : run_(run), surface_(surface), options_(options), frames_(run.frames(options.every)) {}
+      : run_(run),
+        surface_(surface),
+        options_(options),
+        frames_(run.frames(options.every)),
+        colliders_(read_stored_colliders(run.scene, scene_path(run.folder).string())) {}
 
   void add_to(Page& page) {
     PoseBox box;
@@ -106,11 +102,13 @@ class RunPoses {
       for (const Index v : surface_.vertices) box.add(positions[static_cast<std::size_t>(v)]);
     }
     PoseBlocks poses(page, surface_, box);
+    FormBlocks forms(page, colliders_);
     std::int64_t most_pairs = 0;
     for (std::size_t i = 0; i < frames_.size(); ++i) {
       const auto& row = run_.rows[static_cast<std::size_t>(frames_[i])];
       const auto positions = run_.read_frame_positions(frames_[i]);
       poses.add(positions, row.time);
+      forms.add(row.time);
       if (options_.marks) add_marks_of(row, positions, i, page);
       most_pairs = std::max(most_pairs, row.triangle_pairs);
       if (page.block_length() > kMaxPageLength)
@@ -134,8 +132,7 @@ class RunPoses {
       const auto vertices = static_cast<Index>(run_.topology.header.vertices);
       mesh_.emplace(run_.topology.elements.empty() ? TetMesh::without_elements(vertices)
                                                    : TetMesh(vertices, run_.topology.elements));
-      touches_.emplace(TriangleMesh(vertices, run_.topology.boundary_faces), positions,
-                       read_stored_colliders(run_.scene, scene_path(run_.folder).string()));
+      touches_.emplace(TriangleMesh(vertices, run_.topology.boundary_faces), positions, colliders_);
     }
     Marks marks;
     if (row.penetrating_vertices + row.triangle_pairs > 0) {
@@ -149,27 +146,11 @@ class RunPoses {
   const ShownSurface& surface_;
   const RunPageOptions& options_;
   std::vector<std::int64_t> frames_;
+  std::vector<Collider> colliders_;
   std::optional<TetMesh> mesh_;
   std::optional<MarkFinder> finder_;
   std::optional<TouchFinder> touches_;
 };
-
-/// The scene, with colliders that change their form as meshes in their first key frame: the page moves them no further.
-Json with_first_key_frames(const StoredRun& run) {
-  Json scene = run.scene;
-  const std::vector<Collider> colliders = read_stored_colliders(run.scene, scene_path(run.folder).string());
-  for (std::size_t c = 0; c < colliders.size(); ++c) {
-    const auto* keyframed = std::get_if<KeyframedShape>(&colliders[c].shape);
-    if (keyframed == nullptr) continue;
-    Json& json = scene["colliders"][c];
-    json["kind"] = "mesh";
-    json["positions"] = Json::array();
-    for (const Vec3& p : keyframed->positions.front()) json["positions"].push_back({p[0], p[1], p[2]});
-    json.erase("times");
-    json.erase("pc2");
-  }
-  return scene;
-}
 
 }  // namespace
 
@@ -183,7 +164,7 @@ std::string print_run_page(const fs::path& folder, const RunPageOptions& options
   add_bodies(page, run, surface);
   add_statistics(page, run);
   page.head()["marked"] = Json::array();
-  if (run.scene.is_object()) page.head()["scene"] = has_key_frames(run.scene) ? with_first_key_frames(run) : run.scene;
+  if (run.scene.is_object()) page.head()["scene"] = run.scene;
   if (run.summary.is_object()) page.head()["summary"] = run.summary;
   RunPoses(run, surface, options).add_to(page);
   return page.print();

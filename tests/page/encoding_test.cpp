@@ -1,5 +1,6 @@
 #include "page/encoding.h"
 
+#include "page/form_blocks.h"
 #include "page/page.h"
 #include "page/page_template.h"
 #include "page/pose_blocks.h"
@@ -54,13 +55,16 @@ TEST(Encoding, DeflatedBytesComeBack) {
 }
 
 /// Positions of all poses of a page, by the differences as src/page/pose_blocks.h describes them.
-std::vector<std::vector<Vec3>> poses_of(const std::string& page) {
+/// @param shown   has the count of vertices and the box: the page's head, or a collider
+/// @param prefix  of the names of blocks
+std::vector<std::vector<Vec3>> poses_of(const std::string& page, const nlohmann::json& shown,
+                                        const std::string& prefix = {}) {
   const auto head = test::head_of(page);
-  const std::size_t count = head["vertices"], interval = head["key_interval"];
+  const std::size_t count = shown["vertices"], interval = head["key_interval"];
   std::vector<std::vector<Vec3>> poses;
   std::vector<std::int64_t> places(3 * count);
   for (std::size_t k = 0; k < head["times"].size(); ++k) {
-    const std::string bytes = test::block_of(page, "pose" + std::to_string(k));
+    const std::string bytes = test::block_of(page, prefix + "pose" + std::to_string(k));
     EXPECT_EQ(bytes.size(), 6 * count);
     // A stride beyond the end leaves the differences as they are.
     const auto differences = unpack(bytes, 2, bytes.size());
@@ -72,8 +76,8 @@ std::vector<std::vector<Vec3>> poses_of(const std::string& page) {
     for (std::size_t i = 0; i < 3 * count; ++i) {
       const std::size_t axis = i / count;
       pose[i % count][static_cast<int>(axis)] =
-          head["box"]["lower"][axis].get<double>() +
-          head["box"]["step"][axis].get<double>() * static_cast<double>(places[i]);
+          shown["box"]["lower"][axis].get<double>() +
+          shown["box"]["step"][axis].get<double>() * static_cast<double>(places[i]);
     }
     poses.push_back(pose);
   }
@@ -100,7 +104,8 @@ TEST(PoseBlocks, PositionsComeBackToHalfAStep) {
   PoseBlocks blocks(page, surface, box);
   for (const auto& pose : poses) blocks.add(pose, 0);
   blocks.finish();
-  const auto read = poses_of(page.print());
+  const std::string text = page.print();
+  const auto read = poses_of(text, test::head_of(text));
   ASSERT_EQ(read.size(), poses.size());
   const Vec3 half = (box.upper - box.lower) / 65535 / 2;
   for (std::size_t k = 0; k < poses.size(); ++k)
@@ -108,6 +113,57 @@ TEST(PoseBlocks, PositionsComeBackToHalfAStep) {
       for (int axis = 0; axis < 3; ++axis)
         EXPECT_NEAR(read[k][i][axis], poses[k][static_cast<std::size_t>(surface.vertices[i])][axis],
                     half[axis] * (1 + 1e-9) + 1e-15);
+}
+
+TEST(FormBlocks, CollidersHaveTheirFormInEveryPose) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(-1, 2);
+  // Vertex 0 is in no triangle.
+  KeyframedShape shape{{{1, 3, 2}, {1, 2, 4}, {2, 3, 4}, {1, 4, 3}}, {0.1, 0.4, 0.45, 2}, {}};
+  for (std::size_t k = 0; k < shape.times.size(); ++k) {
+    auto& positions = shape.positions.emplace_back();
+    for (int v = 0; v < 5; ++v) positions.emplace_back(place(random), place(random), 1e3 * place(random));
+  }
+  std::vector<Collider> colliders(3);
+  colliders[1].shape = shape;
+  shape.positions.pop_back();
+  shape.times.pop_back();
+  colliders[2].shape = shape;
+  Page page("run", "forms");
+  page.head()["scene"]["colliders"] = {
+      {{"kind", "plane"}}, {{"kind", "keyframed"}, {"times", {1}}, {"pc2", "x"}, {"triangles", {1}}}, {{"kind", ""}}};
+  const ShownSurface surface(3, std::vector<VertexTuple<3>>{{0, 1, 2}});
+  add_surface(page, surface);
+  PoseBlocks poses(page, surface, {Vec3::Zero(), Vec3::Ones()});
+  FormBlocks forms(page, colliders);
+  std::vector<double> times;
+  for (int k = 0; k < 40; ++k) times.push_back(0.03 * k);
+  for (const double time : times) {
+    poses.add(std::vector<Vec3>(3, Vec3::Zero()), time);
+    forms.add(time);
+  }
+  poses.finish();
+  const std::string text = page.print();
+  const auto scene = test::head_of(text)["scene"];
+  EXPECT_EQ(scene["colliders"][0].size(), 1u);
+  EXPECT_FALSE(test::has_block(text, "collider0pose0"));
+  for (const std::size_t c : {1u, 2u}) {
+    const auto& json = scene["colliders"][c];
+    for (const char* stored : {"times", "pc2", "triangles"}) EXPECT_FALSE(json.contains(stored)) << stored;
+    const std::string name = "collider" + std::to_string(c);
+    EXPECT_EQ(unpack(test::block_of(text, name + "triangles"), 4, 3),
+              (std::vector<std::int64_t>{0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2}));
+    const auto read = poses_of(text, json, name);
+    ASSERT_EQ(read.size(), times.size());
+    for (std::size_t k = 0; k < times.size(); ++k) {
+      const MeshShape there = std::get<KeyframedShape>(colliders[c].shape).at(times[k]);
+      ASSERT_EQ(read[k].size(), 4u);
+      for (std::size_t v = 0; v < 4; ++v)
+        for (int axis = 0; axis < 3; ++axis)
+          EXPECT_NEAR(read[k][v][axis], there.positions[v + 1][axis],
+                      json["box"]["step"][static_cast<std::size_t>(axis)].get<double>() * 0.500001);
+    }
+  }
 }
 
 TEST(Page, TheTemplateIsTheBuiltFile) {

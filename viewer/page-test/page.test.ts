@@ -246,6 +246,47 @@ describe("the page of a run", () => {
   });
 });
 
+describe("a collider that changes its form", () => {
+  /// Rows of the picture in which it is seen: those that change when colliders are hidden.
+  const rowsOfColliders = async () => {
+    const box = page.locator("#options").getByText("colliders", { exact: true }).locator("..").locator("input");
+    const shown = await pixels();
+    await box.click();
+    const hidden = await pixels();
+    await box.click();
+    const width = Math.round((await page.locator("#picture").boundingBox())!.width / 4);
+    // Left of the panel, in which the box changes too.
+    const changed = shown.flatMap((c, i) => (Math.abs(c - hidden[i]) > 20 && (i / 4) % width < 0.75 * width ? [Math.floor(i / 4 / width)] : []));
+    return { top: Math.min(...changed), bottom: Math.max(...changed) };
+  };
+
+  it("has in each frame its own, and goes up by its motion", async () => {
+    await open("egg.html");
+    expect(await page.textContent("#warnings")).toBe("");
+    const seen: { top: number; bottom: number }[] = [];
+    for (const frame of [0, 10, 20]) {
+      await page.locator("#scrub").fill(String(frame));
+      await until("frame", String(frame));
+      seen.push(await rowsOfColliders());
+    }
+    const heights = seen.map(({ top, bottom }) => bottom - top);
+    expect(heights[0]).toBeGreaterThan(10);
+    expect(heights[1]).toBeGreaterThan(1.15 * heights[0]);
+    expect(heights[2]).toBeGreaterThan(1.15 * heights[1]);
+    expect(seen[2].bottom).toBeLessThan(seen[0].bottom - 3);
+    await page.close();
+  });
+
+  it("is told of when a form is missing", async () => {
+    const text = readFileSync(path("egg.html"), "utf8");
+    writeFileSync(path("lost.html"), text.replace(/id="block-collider1pose0"/, 'id="block-lost"'));
+    await open("lost.html").catch(() => {});
+    await page.waitForFunction(() => document.documentElement.dataset.state === "failed");
+    expect(await page.textContent("#notice")).toContain("pose 0 is missing");
+    await page.close();
+  });
+});
+
 describe("pages of other results", () => {
   it("go from pair to pair of check", async () => {
     await open("check.html");

@@ -24,46 +24,35 @@ export function column(head: Head, name: string): number[] {
 /// What the charts show of a run.
 export function chartsOf(head: Head): Chart[] {
   if (!head.statistics || !head.frames) return [];
-  const of = (name: string, scale = 1) => column(head, name).map((x) => scale * x);
-  const times: Line[] = [
-    { label: "material", values: of("seconds_material", 1e3), colour: "#0072b2" },
-    { label: "projection", values: of("seconds_projection", 1e3), colour: "#56b4e9" },
-    { label: "DCD", values: of("seconds_dcd", 1e3), colour: "#009e73" },
-    { label: "paths", values: of("seconds_paths", 1e3), colour: "#cc79a7" },
-    { label: "CCD", values: of("seconds_ccd", 1e3), colour: "#e69f00" },
+  const line = (label: string, name: string, colour: string, scale = 1): Line => ({ label, colour, values: column(head, name).map((x) => scale * x) });
+  const times = [
+    line("material", "seconds_material", "#0072b2", 1e3),
+    line("projection", "seconds_projection", "#56b4e9", 1e3),
+    line("DCD", "seconds_dcd", "#009e73", 1e3),
+    line("paths", "seconds_paths", "#cc79a7", 1e3),
+    line("CCD", "seconds_ccd", "#e69f00", 1e3),
   ];
-  const rest = of("seconds_frame", 1e3).map((all, i) => Math.max(0, all - times.reduce((sum, t) => sum + t.values[i], 0)));
+  const rest = line("rest", "seconds_frame", "#999999", 1e3);
+  rest.values = rest.values.map((all, i) => Math.max(0, all - times.reduce((sum, t) => sum + t.values[i], 0)));
+  const inside = [
+    line("deepest [mm]", "deepest_penetration", "#d55e00", 1e3),
+    line("vertices", "penetrating_vertices", "#0072b2"),
+    line("crossing pairs", "triangle_pairs", "#cc79a7"),
+  ];
+  const contacts = [
+    line("vertex paths", "vertex_paths", "#d55e00"),
+    line("edge paths", "edge_paths", "#e69f00"),
+    line("centroid paths", "centroid_paths", "#f0e442"),
+    line("vertex-face", "vertex_faces", "#009e73"),
+    line("edge-edge", "edge_edges", "#56b4e9"),
+    line("colliders", "collider_contacts", "#999999"),
+  ];
+  const motion = [line("kinetic [J]", "kinetic_energy", "#009e73"), line("fastest [m/s]", "fastest", "#e69f00")];
   return [
-    { title: "time of a frame [ms]", stacked: true, lines: [...times, { label: "rest", values: rest, colour: "#999999" }] },
-    {
-      title: "inside",
-      stacked: false,
-      lines: [
-        { label: "deepest [mm]", values: of("deepest_penetration", 1e3), colour: "#d55e00" },
-        { label: "vertices", values: of("penetrating_vertices"), colour: "#0072b2" },
-        { label: "crossing pairs", values: of("triangle_pairs"), colour: "#cc79a7" },
-      ],
-    },
-    {
-      title: "contacts",
-      stacked: true,
-      lines: [
-        { label: "vertex paths", values: of("vertex_paths"), colour: "#d55e00" },
-        { label: "edge paths", values: of("edge_paths"), colour: "#e69f00" },
-        { label: "centroid paths", values: of("centroid_paths"), colour: "#f0e442" },
-        { label: "vertex-face", values: of("vertex_faces"), colour: "#009e73" },
-        { label: "edge-edge", values: of("edge_edges"), colour: "#56b4e9" },
-        { label: "colliders", values: of("collider_contacts"), colour: "#999999" },
-      ],
-    },
-    {
-      title: "energy, speed",
-      stacked: false,
-      lines: [
-        { label: "kinetic [J]", values: of("kinetic_energy"), colour: "#009e73" },
-        { label: "fastest [m/s]", values: of("fastest"), colour: "#e69f00" },
-      ],
-    },
+    { title: "time of a frame [ms]", stacked: true, lines: [...times, rest] },
+    { title: "inside", stacked: false, lines: inside },
+    { title: "contacts", stacked: true, lines: contacts },
+    { title: "energy, speed", stacked: false, lines: motion },
   ];
 }
 

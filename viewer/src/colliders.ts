@@ -1,6 +1,10 @@
 import * as THREE from "three";
-import type { Collider, Triple } from "./head";
+import { readBlock, readIntegers, type Reader } from "./decode";
+import type { Collider, Head, Triple } from "./head";
 import { rigidMap } from "./motion";
+import { Poses } from "./poses";
+
+type Timeline = Pick<Head, "times" | "key_interval">;
 
 const vector = (v: Triple) => new THREE.Vector3(...v);
 
@@ -10,7 +14,7 @@ function place(geometry: THREE.BufferGeometry, axis: THREE.Vector3, centre: THRE
   return geometry.translate(centre.x, centre.y, centre.z);
 }
 
-function shapeOf(collider: Collider, size: number, focus: THREE.Vector3): THREE.BufferGeometry {
+function shapeOf(collider: Exclude<Collider, { kind: "keyframed" }>, size: number, focus: THREE.Vector3): THREE.BufferGeometry {
   switch (collider.kind) {
     case "plane": {
       const normal = vector(collider.normal).normalize();
@@ -36,11 +40,8 @@ function shapeOf(collider: Collider, size: number, focus: THREE.Vector3): THREE.
       return place(cylinder.rotateX(Math.PI / 2), vector(collider.axis), vector(collider.centre));
     }
     case "mesh": {
-      const geometry = new THREE.BufferGeometry();
-      const corners = collider.triangles.flatMap((t) => t.flatMap((v) => collider.positions[v]));
-      geometry.setAttribute("position", new THREE.Float32BufferAttribute(corners, 3));
-      geometry.computeVertexNormals();
-      return geometry;
+      const positions = new THREE.Float32BufferAttribute(collider.positions.flat(), 3);
+      return new THREE.BufferGeometry().setAttribute("position", positions).setIndex(collider.triangles.flat());
     }
   }
 }
@@ -52,27 +53,70 @@ function materialOf(collider: Collider): THREE.Material {
   if (collider.kind === "plane") return new THREE.MeshLambertMaterial({ ...settings, opacity: 0.45, side: THREE.DoubleSide, depthWrite: false });
   if (collider.kind === "box") return new THREE.MeshLambertMaterial({ ...settings, opacity: 0.35, side: THREE.BackSide, depthWrite: false });
   if (collider.kind === "bowl") return new THREE.MeshLambertMaterial({ ...settings, opacity: 0.8, side: THREE.BackSide });
-  return new THREE.MeshLambertMaterial({ ...settings, opacity: 1, transparent: false });
+  const flatShading = collider.kind === "mesh" || collider.kind === "keyframed";
+  return new THREE.MeshLambertMaterial({ ...settings, opacity: 1, transparent: false, flatShading });
+}
+
+/// A collider that changes its form: its surface in each pose of the page.
+class Form {
+  readonly geometry = new THREE.BufferGeometry();
+  private poses: Poses;
+  private attribute: THREE.BufferAttribute;
+  private positions: Float32Array = new Float32Array();
+
+  constructor(
+    { vertices, box }: Collider & { kind: "keyframed" },
+    timeline: Timeline,
+    private read: Reader,
+  ) {
+    this.attribute = new THREE.BufferAttribute(new Float32Array(3 * vertices), 3);
+    this.geometry.setAttribute("position", this.attribute);
+    this.poses = new Poses({ ...timeline, vertices, box, marked: [] }, read, 100e6);
+  }
+
+  async decode(pose: number): Promise<void> {
+    if (!this.geometry.index) {
+      const triangles = await readIntegers("triangles", 3, this.read);
+      if (!triangles) throw new Error("The page is damaged: a collider has no surface.");
+      this.geometry.setIndex(new THREE.BufferAttribute(new Uint32Array(triangles), 1));
+    }
+    this.positions = await this.poses.positions(pose);
+  }
+
+  take(): void {
+    this.attribute.set(this.positions).needsUpdate = true;
+  }
 }
 
 /// All colliders of a scene, where they are at a time.
 export class Colliders {
   readonly group = new THREE.Group();
+  private forms: Form[] = [];
 
   /// @param size   of what lies in the scene: planes are drawn as far
   /// @param focus  its middle
   /// @param ground  the one that the stage draws as the ground
+  /// @param timeline  times of the poses, for colliders that change their form
   constructor(
     private colliders: Collider[],
     size: number,
     focus: THREE.Vector3,
     ground: Collider | null,
+    timeline: Timeline,
+    read: Reader = readBlock,
   ) {
-    for (const collider of colliders) {
+    for (const [c, collider] of colliders.entries()) {
       const part = new THREE.Group();
       part.matrixAutoUpdate = false;
       this.group.add(part);
       if (collider === ground) continue;
+      if (collider.kind === "keyframed") {
+        const form = new Form(collider, timeline, (name) => read(`collider${c}${name}`));
+        part.add(new THREE.Mesh(form.geometry, materialOf(collider)));
+        part.children[0].frustumCulled = false;
+        this.forms.push(form);
+        continue;
+      }
       const geometry = shapeOf(collider, size, focus);
       part.add(new THREE.Mesh(geometry, materialOf(collider)));
       const angle = collider.kind === "mesh" || collider.kind === "box" ? 20 : 80;
@@ -81,10 +125,15 @@ export class Colliders {
     }
   }
 
+  /// Reads the forms that colliders have in a pose; moveTo() shows them.
+  async decode(pose: number): Promise<void> {
+    for (const form of this.forms) await form.decode(pose);
+  }
+
   moveTo(time: number): void {
+    for (const form of this.forms) form.take();
     this.group.children.forEach((part, i) => {
-      const m = rigidMap(this.colliders[i].motion, time);
-      part.matrix.set(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], m[10], m[11], 0, 0, 0, 1);
+      part.matrix.copy(rigidMap(this.colliders[i].motion, time));
       part.matrixWorldNeedsUpdate = true;
     });
   }

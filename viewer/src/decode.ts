@@ -18,6 +18,13 @@ export async function readBlock(name: string): Promise<Uint8Array<ArrayBuffer> |
   return text ? inflate(decodeBase64(text)) : null;
 }
 
+export type Reader = typeof readBlock;
+
+export async function readIntegers(name: string, stride: number, read: Reader = readBlock): Promise<Int32Array | null> {
+  const bytes = await read(name);
+  return bytes && unpackIntegers(bytes, stride);
+}
+
 /// Reverses pack_integers().
 export function unpackIntegers(bytes: Uint8Array, stride: number): Int32Array {
   const count = bytes.length / 4;

@@ -44,15 +44,11 @@ export function fillDetails(parent: HTMLElement, head: Head): void {
   const groups = new Map<string, [string, string, string][]>();
   for (const row of detailRows(head)) groups.set(row[0], [...(groups.get(row[0]) ?? []), row]);
   for (const [group, rows] of groups) {
-    const title = document.createElement("h2");
-    title.textContent = group.replaceAll("_", " ");
+    const title = Object.assign(document.createElement("h2"), { textContent: group.replaceAll("_", " ") });
     const table = document.createElement("table");
     for (const [, name, value] of rows) {
       const line = table.insertRow();
-      const heading = document.createElement("th");
-      heading.textContent = name.replaceAll("_", " ");
-      heading.scope = "row";
-      line.append(heading);
+      line.append(Object.assign(document.createElement("th"), { textContent: name.replaceAll("_", " "), scope: "row" }));
       line.insertCell().textContent = value;
     }
     parent.append(title, table);

@@ -14,6 +14,12 @@ export interface Motion {
   keyframes: Keyframe[];
 }
 
+/// Of 65535 steps a side; positions are counted in them.
+export interface Box {
+  lower: Triple;
+  step: Triple;
+}
+
 export type Collider = { motion?: Motion } & (
   | { kind: "plane"; point: Triple; normal: Triple }
   | { kind: "box"; min: Triple; max: Triple }
@@ -21,6 +27,7 @@ export type Collider = { motion?: Motion } & (
   | { kind: "sphere"; centre: Triple; radius: number }
   | { kind: "cylinder"; centre: Triple; axis: Triple; radius: number; length: number }
   | { kind: "mesh"; positions: Triple[]; triangles: Triple[] }
+  | { kind: "keyframed"; vertices: number; box: Box }
 );
 
 export interface Scene {
@@ -40,7 +47,7 @@ export interface Head {
   vertices: number;
   vertices_of_mesh: number;
   triangles: number;
-  box: { lower: Triple; step: Triple };
+  box: Box;
   times: number[];
   key_interval: number;
   marked: number[];

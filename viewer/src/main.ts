@@ -1,7 +1,7 @@
 import GUI from "lil-gui";
 import { Charts } from "./charts";
 import { Colouring, type Mode, type Shown } from "./colouring";
-import { kindNames, noMarks, readBlock, unpackIntegers } from "./decode";
+import { kindNames, noMarks, readBlock, readIntegers } from "./decode";
 import { fillDetails } from "./details";
 import { blends, readHead, type Head } from "./head";
 import { blend, poseAt, Poses } from "./poses";
@@ -19,15 +19,11 @@ function notify(text: string): void {
 }
 
 async function readSurface(head: Head): Promise<Surface> {
-  const integers = async (name: string, stride: number) => {
-    const bytes = await readBlock(name);
-    return bytes ? unpackIntegers(bytes, stride) : null;
-  };
-  const triangles = await integers("triangles", 3);
-  const vertexIds = await integers("vertices", 1);
+  const triangles = await readIntegers("triangles", 3);
+  const vertexIds = await readIntegers("vertices", 1);
   if (!triangles || !vertexIds) throw new Error("The page is damaged: it has no surface.");
   const vertexCount = head.vertices;
-  const bodies = await integers("bodies", 1);
+  const bodies = await readIntegers("bodies", 1);
   const parts = bodies ? { of: bodies, count: Math.max(...new Set(bodies)) + 1 } : findComponents(triangles, vertexCount);
   let found: Outline | null = null;
   const outline = () => (found ??= findOutline(triangles, vertexCount));
@@ -288,6 +284,7 @@ class Viewer {
       // Marks are those of a pose itself: between two there are none.
       marks: place > pose ? noMarks : await this.poses.marksOf(pose),
     };
+    await this.stage.colliders.decode(pose);
     this.place = place;
     this.stage.setPose(positions, times[pose]);
     if (this.options.colour !== "body" || state.state !== "ready") this.paint();
@@ -316,11 +313,7 @@ class Viewer {
 
 function describeHead(head: Head): void {
   element("title").textContent = head.title;
-  const lines = head.warnings.map((warning) => {
-    const line = document.createElement("p");
-    line.textContent = warning;
-    return line;
-  });
+  const lines = head.warnings.map((textContent) => Object.assign(document.createElement("p"), { textContent }));
   element("warnings").replaceChildren(...lines);
   const poses = head.times.length > 1 ? `, ${head.times.length} poses` : "";
   element("picture").setAttribute("aria-label", `Picture of ${head.title}: ${head.triangles} triangles${poses}. Press h for keys, i for numbers.`);

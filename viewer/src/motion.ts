@@ -1,3 +1,4 @@
+import * as THREE from "three";
 import type { Keyframe, Motion, Triple } from "./head";
 
 /// Translation and angle at a time: linear between key-frames, constant before the first and after the last.
@@ -15,22 +16,12 @@ export function interpolate(keyframes: Keyframe[], time: number): { translate: T
   };
 }
 
-/// The rigid map of a motion at a time, row by row (3 x 4): a turn about the axis through the centre, then a shift.
-export function rigidMap(motion: Motion | undefined, time: number): number[] {
+/// The rigid map of a motion at a time: a turn about the axis through the centre, then a shift.
+export function rigidMap(motion: Motion | undefined, time: number): THREE.Matrix4 {
   const { translate, angle } = interpolate(motion?.keyframes ?? [], time);
-  if (!motion || angle === 0) return [1, 0, 0, translate[0], 0, 1, 0, translate[1], 0, 0, 1, translate[2]];
-  const length = Math.hypot(...motion.axis);
-  const [x, y, z] = motion.axis.map((a) => a / length);
-  const c = Math.cos(angle);
-  const s = Math.sin(angle);
-  const d = 1 - c;
-  const turn = [
-    [c + d * x * x, d * x * y - s * z, d * x * z + s * y],
-    [d * x * y + s * z, c + d * y * y, d * y * z - s * x],
-    [d * x * z - s * y, d * y * z + s * x, c + d * z * z],
-  ];
-  return turn.flatMap((row, i) => {
-    const turned = row[0] * motion.centre[0] + row[1] * motion.centre[1] + row[2] * motion.centre[2];
-    return [...row, motion.centre[i] - turned + translate[i]];
-  });
+  const shift = new THREE.Vector3(...translate);
+  if (!motion || angle === 0) return new THREE.Matrix4().setPosition(shift);
+  const turn = new THREE.Matrix4().makeRotationAxis(new THREE.Vector3(...motion.axis).normalize(), angle);
+  const centre = new THREE.Vector3(...motion.centre);
+  return turn.setPosition(shift.add(centre).sub(centre.clone().applyMatrix4(turn)));
 }

@@ -1,7 +1,5 @@
-import { readBlock, readMarks, noMarks, unpackPose, type Marks } from "./decode";
+import { readBlock, readMarks, noMarks, unpackPose, type Marks, type Reader } from "./decode";
 import type { Head } from "./head";
-
-type Reader = (name: string) => Promise<Uint8Array<ArrayBuffer> | null>;
 
 /// The poses of a page. Each is decoded when it is asked for, from the nearest pose that stands by itself or is still
 /// held; the ones used longest ago are let go.
@@ -11,7 +9,7 @@ export class Poses {
   private marked: Set<number>;
 
   constructor(
-    private head: Head,
+    private head: Pick<Head, "times" | "vertices" | "box" | "key_interval" | "marked">,
     private read: Reader = readBlock,
     private maxBytes = 400e6,
   ) {

@@ -43,7 +43,7 @@ export class Stage {
   private pickDot: THREE.Points;
   private shadow: THREE.Mesh;
   private ground: THREE.Group;
-  private colliders: Colliders;
+  readonly colliders: Colliders;
   private cut: Cut | null = null;
   private bvh: MeshBVH | null = null;
   private bvhIsOld = true;
@@ -112,7 +112,7 @@ export class Stage {
     const corners = [this.box.min, this.box.max].map((corner) => corner.dot(this.up));
     const ground = findGround(shown, this.up, Math.min(...corners), Math.max(...corners));
     this.groundHeight = ground.height;
-    this.colliders = new Colliders(shown, 1.2 * size, focus, ground.plane);
+    this.colliders = new Colliders(shown, 1.2 * size, focus, ground.plane, head);
     this.shadow = new THREE.Mesh(this.geometry, new THREE.MeshBasicMaterial({ side: THREE.DoubleSide }));
     this.shadow.matrixAutoUpdate = false;
     this.shadow.frustumCulled = false;

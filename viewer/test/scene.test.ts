@@ -3,11 +3,11 @@ import { describe, expect, it } from "vitest";
 import { chartsOf, column, stack } from "../src/charts";
 import { Colliders, findGround } from "../src/colliders";
 import { detailRows, flatten } from "../src/details";
-import type { Collider, Head, Motion } from "../src/head";
+import type { Collider, Head, Motion, Triple } from "../src/head";
 import { interpolate, rigidMap } from "../src/motion";
 
 const key = (time: number, z: number, angle: number) => ({ time, translate: [0, 0, z] as [number, number, number], angle });
-const apply = (m: number[], p: number[]) => [0, 4, 8].map((row) => m[row] * p[0] + m[row + 1] * p[1] + m[row + 2] * p[2] + m[row + 3]);
+const apply = (m: THREE.Matrix4, p: [number, number, number]) => new THREE.Vector3(...p).applyMatrix4(m).toArray();
 
 describe("motion", () => {
   it("is linear between key-frames and constant outside", () => {
@@ -44,7 +44,7 @@ describe("colliders", () => {
     { kind: "mesh", positions: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], triangles: [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]] },
   ];
   const boxOf = (collider: Collider, time = 0) => {
-    const colliders = new Colliders([collider], 10, new THREE.Vector3(), null);
+    const colliders = new Colliders([collider], 10, new THREE.Vector3(), null, { times: [0], key_interval: 16 });
     colliders.moveTo(time);
     colliders.group.updateMatrixWorld(true);
     return new THREE.Box3().setFromObject(colliders.group, true);
@@ -61,6 +61,49 @@ describe("colliders", () => {
     close(boxes[4].min, [-2, -0.25, -0.25]);
     close(boxes[5].max, [1, 1, 1]);
     close(boxOf(all[4], 1).max, [2, 0.25, 1.25]);
+  });
+
+  it("that change their form have that of the pose, moved by their motion", async () => {
+    const box = { lower: [-1, 0, 0] as Triple, step: [1, 1, 1] as Triple };
+    const still: Collider = { kind: "keyframed", vertices: 3, box };
+    const moving: Collider = { ...still, motion: { axis: [0, 0, 1], centre: [0, 0, 0], keyframes: [key(0, 0, 0), key(1, 8, 0)] } };
+    // The triangle 0 1 2 with corners at 0, x and y; in pose k all of them are 2 k further along x.
+    const first = [0, 3, -3, 0, 0, 1, 0, 0, 0];
+    const asked: string[] = [];
+    const read = async (name: string) => {
+      asked.push(name);
+      const folded = (values: number[], size: number) => {
+        const bytes = new Uint8Array(size * values.length);
+        values.forEach((d, i) => (bytes[i] = d < 0 ? -2 * d - 1 : 2 * d));
+        return bytes;
+      };
+      if (name.endsWith("triangles")) return folded([0, 1, 2], 4);
+      return name.endsWith("pose0") ? folded(first, 2) : folded([2, 2, 2, 0, 0, 0, 0, 0, 0], 2);
+    };
+    const colliders = new Colliders([all[0], still, moving], 10, new THREE.Vector3(), all[0], { times: [0, 0.5, 1], key_interval: 16 }, read);
+    const boxes = async (pose: number, time: number) => {
+      await colliders.decode(pose);
+      colliders.moveTo(time);
+      colliders.group.updateMatrixWorld(true);
+      return [1, 2].map((c) => new THREE.Box3().setFromObject(colliders.group.children[c], true));
+    };
+    const [a, b] = await boxes(0, 0);
+    close(a.min, [-1, 0, 0]);
+    close(a.max, [2, 1, 0]);
+    expect(b.equals(a)).toBe(true);
+    const [c, d] = await boxes(2, 1);
+    close(c.min, [3, 0, 0]);
+    close(c.max, [6, 1, 0]);
+    close(d.min, [3, 0, 8]);
+    // Back again, from what is held: each block has been read once.
+    close((await boxes(1, 0.5))[0].min, [1, 0, 0]);
+    expect(asked.sort()).toEqual([1, 2].flatMap((c) => ["pose0", "pose1", "pose2", "triangles"].map((name) => `collider${c}${name}`)));
+  });
+
+  it("say so where their form is missing", async () => {
+    const form: Collider = { kind: "keyframed", vertices: 3, box: { lower: [0, 0, 0], step: [1, 1, 1] } };
+    const colliders = new Colliders([form], 10, new THREE.Vector3(), null, { times: [0], key_interval: 16 }, async () => null);
+    await expect(colliders.decode(0)).rejects.toThrow("a collider has no surface");
   });
 
   it("give the ground", () => {
