@@ -48,6 +48,7 @@ from selvage._native import (
     BoundaryPathFinder,
     ContactFinder,
     ContinuousCollisionFinder,
+    KeyframedShape,
     PairFilters,
     PlanarMesh,
     PlanarPathFinder,
@@ -63,9 +64,11 @@ from selvage._native import (
     orient2d,
     orient3d,
     pose_names,
+    read_point_cache,
     sequence_names,
     shape_names,
     threads,
+    write_point_cache,
 )
 from selvage._pictures import picture
 from selvage._pictures import small_picture as _small_picture
@@ -99,6 +102,7 @@ __all__ = [
     "ContinuousPairs",
     "Error",
     "Feature",
+    "KeyframedShape",
     "LocatedPoints",
     "NearPairs",
     "PairFilters",
@@ -143,6 +147,7 @@ __all__ = [
     "pose_names",
     "read_groups",
     "read_mesh",
+    "read_point_cache",
     "read_scene",
     "resolve",
     "self_collisions",
@@ -158,6 +163,7 @@ __all__ = [
     "triangle_contacts",
     "write_coloured_ply",
     "write_mesh",
+    "write_point_cache",
     "write_vtu",
 ]
 

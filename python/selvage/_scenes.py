@@ -15,7 +15,7 @@ import numpy as np
 from selvage import _native
 from selvage._errors import Error
 from selvage._meshes import as_mesh, write_mesh
-from selvage._native import Scene, SceneSimulation, TetMesh, TriangleMesh
+from selvage._native import KeyframedShape, Scene, SceneSimulation, TetMesh, TriangleMesh, write_point_cache
 from selvage._pictures import run_program, small_picture
 from selvage._results import Floats, Ints
 
@@ -23,7 +23,7 @@ _SceneLike = Any  # a Scene, the path of a file, or a dict
 
 
 class _Text(json.JSONEncoder):
-    """Scenes may hold NumPy numbers and arrays, paths, and meshes: these go to a file first."""
+    """Scenes may hold NumPy numbers and arrays, paths, meshes and key frames: these two go to files first."""
 
     def __init__(self, folder: Path, **options: Any) -> None:
         super().__init__(**options)
@@ -35,14 +35,25 @@ class _Text(json.JSONEncoder):
             return o.tolist()
         if isinstance(o, os.PathLike):
             return os.fspath(o)
+        if isinstance(o, KeyframedShape):
+            return self._keyframes(o)
         try:
             mesh = as_mesh(o)
         except Error:
             return super().default(o)
+        return {"file": self._write(mesh)}
+
+    def _write(self, mesh: Any) -> str:
         path = self._folder / f"mesh{self._count}.vtu"
         self._count += 1
         write_mesh(path, mesh)
-        return {"file": str(path)}
+        return str(path)
+
+    def _keyframes(self, shape: KeyframedShape) -> dict[str, Any]:
+        mesh = self._write(shape.at(float(shape.times[0])))
+        cache = Path(mesh).with_suffix(".pc2")
+        write_point_cache(cache, shape.positions)
+        return {"mesh": mesh, "pc2": str(cache), "times": shape.times.tolist()}
 
 
 def read_scene(
@@ -53,8 +64,8 @@ def read_scene(
     Parameters
     ----------
     scene : path or dict
-        In a dict, a body's `mesh` may also be a mesh object (see `as_mesh`), a surface for cloth, and lists may be
-        arrays. Files that a dict names are relative to the working folder.
+        In a dict, a body's `mesh` may also be a mesh object (see `as_mesh`), a surface for cloth, a collider's
+        `keyframed` a `KeyframedShape`, and lists may be arrays. Files that a dict names are relative to the working folder.
     scale : str
         Name of a scale that the scene has; '': as it stands.
     changes : dict, optional
@@ -83,8 +94,9 @@ def read_scene(
     if isinstance(scene, Mapping):
         with tempfile.TemporaryDirectory(prefix="selvage-") as folder:
             try:
-                text = _Text(Path(folder)).encode(dict(scene))
-                given = [f"{place}={_Text(Path(folder)).encode(value)}" for place, value in (changes or {}).items()]
+                encoder = _Text(Path(folder))
+                text = encoder.encode(dict(scene))
+                given = [f"{place}={encoder.encode(value)}" for place, value in (changes or {}).items()]
             except TypeError as error:
                 raise Error(f"scene: {error}; give numbers, texts, lists, dicts, arrays and meshes") from None
             return _native.scene_of_text(text, Path.cwd() / "scene.json", scale, given)

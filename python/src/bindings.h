@@ -30,6 +30,7 @@ void bind_proximity(nb::module_& m);
 void bind_surface_distance(nb::module_& m);
 void bind_contacts(nb::module_& m);
 void bind_geometry(nb::module_& m);
+void bind_keyframes(nb::module_& m);
 void bind_scenes(nb::module_& m);
 void bind_simulation(nb::module_& m);
 void bind_runs(nb::module_& m);

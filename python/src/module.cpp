@@ -87,6 +87,7 @@ False
   bind_surface_distance(m);
   bind_contacts(m);
   bind_geometry(m);
+  bind_keyframes(m);
   bind_scenes(m);
   bind_simulation(m);
   bind_runs(m);

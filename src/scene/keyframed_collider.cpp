@@ -94,6 +94,10 @@ KeyframedShape read_keyframed_shape(const KeyframeSource& source, const Placemen
     } else {
       read_files(source, rate, shape);
     }
+    if (!source.times.empty() && source.times.size() != shape.positions.size())
+      throw Error("times", fmt::format("has {} numbers for {} key frames", source.times.size(), shape.positions.size()),
+                  "give one for each");
+    if (!source.times.empty()) shape.times = source.times;
     for (auto& positions : shape.positions)
       for (Vec3& p : positions) p = place.apply(p);
     const MeshCollider first("surface", {shape.positions.front(), shape.triangles});

@@ -104,6 +104,31 @@ TEST_F(KeyframedScene, ReadsAPointCacheWithItsMesh) {
             scene.fingerprint);
 }
 
+TEST_F(KeyframedScene, ReadsTimesOfItsOwn) {
+  const std::vector<double> times{-0.5, 0.125, 3};
+  const Scene cached = parse(R"({"mesh": "pose_9.obj", "pc2": "dancer.pc2", "times": [-0.5, 0.125, 3]})");
+  EXPECT_EQ(shape_of(cached).times, times);
+  EXPECT_EQ(shape_of(cached).positions[1][3], Vec3(0, 0, 2));
+  const Scene files = parse(R"({"files": "pose_*.obj", "times": [0, 0.25]})");
+  EXPECT_EQ(shape_of(files).times, (std::vector<double>{0, 0.25}));
+}
+
+TEST_F(KeyframedScene, FilesCountByTheirContents) {
+  const auto fingerprint = [&](const std::string& mesh, const std::string& cache) {
+    return parse(R"({"mesh": ")" + mesh + R"(", "pc2": ")" + cache + R"("})").fingerprint;
+  };
+  const std::uint64_t here = fingerprint("pose_9.obj", "dancer.pc2");
+  const std::filesystem::path elsewhere = folder_.path() / "elsewhere";
+  std::filesystem::create_directory(elsewhere);
+  for (const char* name : {"pose_9.obj", "dancer.pc2"})
+    std::filesystem::copy_file(folder_.path() / name, elsewhere / name);
+  EXPECT_EQ(fingerprint("elsewhere/pose_9.obj", (elsewhere / "dancer.pc2").string()), here);
+  PointCache faster = cache();
+  faster.samples[1][3][2] = 2.25;
+  write(elsewhere / "dancer.pc2", print_point_cache(faster));
+  EXPECT_NE(fingerprint("pose_9.obj", "elsewhere/dancer.pc2"), here);
+}
+
 TEST_F(KeyframedScene, RefusesBadFilesInOneLine) {
   const auto expect = [&](const std::string& source, const std::vector<std::string>& parts) {
     const std::string text = refusal(source);
@@ -124,6 +149,11 @@ TEST_F(KeyframedScene, RefusesBadFilesInOneLine) {
   expect(R"({"mesh": "pose_9.obj"})", {"colliders[1].keyframed", "pc2"});
   expect(R"({"mesh": "pose_9.obj", "pc2": "dancer.pc2", "files": "a"})", {"has both 'mesh' and 'files'"});
   expect(R"({"mesh": "pose_9.obj", "pc2": "dancer.pc2", "frames_per_second": 0})", {"frames_per_second"});
+  expect(R"({"files": "pose_*.obj", "times": [0, 1, 2]})", {"colliders[1].keyframed", "3 numbers for 2 key frames"});
+  expect(R"({"files": "pose_*.obj", "times": [0, 0]})", {"key frame 1 is not later", "let times ascend"});
+  expect(R"({"files": "pose_*.obj", "times": []})", {"colliders[1].keyframed.times: is empty"});
+  expect(R"({"files": "pose_*.obj", "times": [0, "1"]})", {"colliders[1].keyframed.times[1]"});
+  expect(R"({"files": "pose_*.obj", "times": [0, 1], "start": 1})", {"keyframed.times", "beside"});
   expect(R"({"files": "pose_*.obj", "speed": 1})", {"speed", "is not known here"});
 }
 

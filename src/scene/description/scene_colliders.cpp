@@ -54,8 +54,15 @@ KeyframeSource read_keyframes(const JsonValue& value, const std::filesystem::pat
   } else {
     source.files.push_back(read_path(chosen, folder));
   }
-  if (const auto v = object.find("frames_per_second")) source.frames_per_second = v->number(kPositive);
-  if (const auto v = object.find("start")) source.start = v->any_number();
+  const auto rate = object.find("frames_per_second"), start = object.find("start");
+  if (rate) source.frames_per_second = rate->number(kPositive);
+  if (start) source.start = start->any_number();
+  if (const auto times = object.find("times")) {
+    if (rate || start)
+      times->fail("stands beside 'frames_per_second' or 'start'", "give the times of all key frames, or a rate");
+    for (const JsonValue& time : times->items()) source.times.push_back(time.any_number());
+    if (source.times.empty()) times->fail("is empty", "give a time for each key frame");
+  }
   object.refuse_others();
   return source;
 }

@@ -96,6 +96,7 @@ struct KeyframeSource {
       files;                     ///< of each key frame; one whose name has a star stands for all that fit it
   double frames_per_second = 0;  ///< 0: those of the scene
   double start = 0;              ///< time of the key frame 0 [s]
+  std::vector<double> times;     ///< [s] of each key frame, in place of these two; empty: these
   std::string where;             ///< place in the scene, for errors
 };
 

@@ -139,9 +139,25 @@ void read_solver(JsonObject& object, SceneDescription& scene) {
   if (const auto v = object.find("start_outside")) scene.allow_start_outside = v->choice(kAnswers) == 1;
 }
 
-/// The document without members that do not change a run.
+/// Leaves out folders of files: their contents are part of a run, their places are not.
+void forget_folders(Json& json) {
+  if (json.is_array()) std::for_each(json.begin(), json.end(), forget_folders);
+  if (!json.is_object()) return;
+  for (auto& [key, value] : json.items()) {
+    const bool names_file = key == "file" || key == "files" || key == "mesh" || key == "pc2";
+    const auto forget = [](Json& name) {
+      if (name.is_string()) name = std::filesystem::path(name.get<std::string>()).filename().string();
+    };
+    if (names_file && value.is_array()) std::for_each(value.begin(), value.end(), forget);
+    if (names_file) forget(value);
+    forget_folders(value);
+  }
+}
+
+/// The document without what does not change a run.
 std::string canonical_text(Json document) {
   for (const char* key : {"frames", "description", "$schema", "start_outside"}) document.erase(key);
+  forget_folders(document);
   return nlohmann::json(document).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
 }
 
