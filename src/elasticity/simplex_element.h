@@ -75,15 +75,23 @@ struct RestSimplex {
   StencilHessian<D + 1> hessian_of(const DeformationHessian<D>& h) const {
     StencilHessian<D + 1> result;
     std::array<Eigen::Matrix<double, D, 1>, D + 1> b;
-    for (int k = 0; k <= D; ++k) b[k] = by_vertex(k);
-    for (int l = 0; l <= D; ++l) {
+    for (int k = 1; k <= D; ++k) b[k] = by_vertex(k);
+    // It is symmetric, and moving all vertices alike changes nothing: vertex 0 has what the others leave.
+    for (int l = 1; l <= D; ++l) {
       Eigen::Matrix<double, 3 * D, 3> columns = size * b[l][0] * h.template leftCols<3>();
       for (int j = 1; j < D; ++j) columns += size * b[l][j] * h.template middleCols<3>(3 * j);
-      for (int k = 0; k <= D; ++k) {
+      for (int k = l; k <= D; ++k) {
         Eigen::Matrix3d block = b[k][0] * columns.template topRows<3>();
         for (int i = 1; i < D; ++i) block += b[k][i] * columns.template middleRows<3>(3 * i);
         result.template block<3, 3>(3 * k, 3 * l) = block;
+        if (k > l) result.template block<3, 3>(3 * l, 3 * k) = block.transpose();
       }
+    }
+    for (int k = D; k >= 0; --k) {
+      Eigen::Matrix3d rest = Eigen::Matrix3d::Zero();
+      for (int l = 1; l <= D; ++l) rest -= result.template block<3, 3>(3 * k, 3 * l);
+      result.template block<3, 3>(3 * k, 0) = rest;
+      if (k > 0) result.template block<3, 3>(0, 3 * k) = rest.transpose();
     }
     return result;
   }

@@ -1,5 +1,7 @@
 #include "elasticity/strain_damping.h"
 
+#include "elasticity/axes.h"
+
 #include <Eigen/Eigenvalues>
 
 namespace selvage {
@@ -8,20 +10,24 @@ namespace selvage {
 template <int D>
 DeformationHessian<D> StrainDamping<D>::hessian_with(const DeformationGradient<D>& f, const Strain& stress) const {
   DeformationHessian<D> h;
+  const Eigen::Matrix3d spread = mu * f * f.transpose();
   for (int a = 0; a < D; ++a)
-    for (int b = 0; b < D; ++b) {
-      Eigen::Matrix3d block = lambda * f.col(a) * f.col(b).transpose() + mu * f.col(b) * f.col(a).transpose() +
-                              stress(a, b) * Eigen::Matrix3d::Identity();
-      if (a == b)
-        for (int c = 0; c < D; ++c) block += mu * f.col(c) * f.col(c).transpose();
+    for (int b = 0; b <= a; ++b) {
+      const Eigen::Matrix3d product = f.col(a) * f.col(b).transpose();
+      Eigen::Matrix3d block = lambda * product + mu * product.transpose();
+      block.diagonal().array() += stress(a, b);
+      if (a == b) block += spread;
       h.template block<3, 3>(3 * a, 3 * b) = block;
+      if (a != b) h.template block<3, 3>(3 * b, 3 * a) = block.transpose();
     }
   return h;
 }
 
 template <int D>
 DeformationHessian<D> StrainDamping<D>::positive_hessian(const DeformationGradient<D>& f) const {
-  const Eigen::SelfAdjointEigenSolver<Strain> eigen(stress_of(change_of(f)));
+  const Strain stress = stress_of(change_of(f));
+  if constexpr (D == 3) return hessian_with(f, SymmetricAxes(stress).positive_part());
+  const Eigen::SelfAdjointEigenSolver<Strain> eigen(stress);
   const Strain pulling =
       eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() * eigen.eigenvectors().transpose();
   return hessian_with(f, pulling);

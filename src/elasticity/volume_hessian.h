@@ -15,12 +15,4 @@ DeformationHessian<3> volume_hessian(const Eigen::Matrix3d& f, double shear, dou
 /// eigensystems for isotropic distortion energies.
 DeformationHessian<3> positive_volume_hessian(const Eigen::Matrix3d& f, double shear, double slope, double curvature);
 
-/// F = U diag(stretches) V^T with rotations U and V; the last stretch is negative where F is inverted.
-struct StretchAxes {
-  Eigen::Matrix3d u, v;
-  Eigen::Vector3d stretches;
-
-  explicit StretchAxes(const Eigen::Matrix3d& f);
-};
-
 }  // namespace selvage

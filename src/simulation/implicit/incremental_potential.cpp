@@ -154,35 +154,54 @@ StencilPositions<4> IncrementalPotential::corners(Index e, std::span<const Vec3>
   return gather(model_.mesh.elements()[e], x);
 }
 
-/// Calls visit with each energy of an element.
+/// Calls visit with each energy density of an element.
 template <typename Visit>
-void IncrementalPotential::visit_element(Index e, const Visit& visit) const {
+void IncrementalPotential::visit_densities(Index e, const Visit& visit) const {
   const Element& element = elements_[e];
-  std::visit(
-      [&](const auto& material) {
-        visit(SimplexElement<3, std::decay_t<decltype(material)>>{element.rest, material});
-      },
-      element.material);
+  std::visit(visit, element.material);
   const double damping = element_damping_[e];
   if (!(damping > 0)) return;
   const Eigen::Matrix3d& start = start_gradients_[e];
   if (const auto* solid = std::get_if<NeoHookean>(&element.material))
-    visit(SimplexElement<3, StrainDamping<3>>{
-        element.rest, {damping * solid->mu, damping * solid->lambda, start.transpose() * start}});
+    visit(StrainDamping<3>{damping * solid->mu, damping * solid->lambda, start.transpose() * start});
   else
-    visit(SimplexElement<3, VolumeSpring>{
-        element.rest, {damping * std::get<VolumeSpring>(element.material).stiffness, start.determinant()}});
+    visit(VolumeSpring{damping * std::get<VolumeSpring>(element.material).stiffness, start.determinant()});
+}
+
+double IncrementalPotential::element_energy(Index e, std::span<const Vec3> x) const {
+  const RestSimplex<3>& rest = elements_[e].rest;
+  const Eigen::Matrix3d f = rest.deformation(corners(e, x));
+  double sum = 0;
+  visit_densities(e, [&](const auto& density) { sum += density.energy_density(f); });
+  return rest.size * sum;
+}
+
+StencilGradient<4> IncrementalPotential::element_gradient(Index e, std::span<const Vec3> x) const {
+  const RestSimplex<3>& rest = elements_[e].rest;
+  const Eigen::Matrix3d f = rest.deformation(corners(e, x));
+  Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();
+  visit_densities(e, [&](const auto& density) { stress += density.first_piola(f); });
+  return rest.gradient_of(stress);
+}
+
+IncrementalPotential::ElementDerivatives IncrementalPotential::element_derivatives(Index e, std::span<const Vec3> x,
+                                                                                   bool exact) const {
+  const RestSimplex<3>& rest = elements_[e].rest;
+  const Eigen::Matrix3d f = rest.deformation(corners(e, x));
+  Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();
+  DeformationHessian<3> hessian = DeformationHessian<3>::Zero();
+  visit_densities(e, [&](const auto& density) {
+    stress += density.first_piola(f);
+    hessian += exact ? density.hessian(f) : density.positive_hessian(f);
+  });
+  return {rest.gradient_of(stress), rest.hessian_of(hessian)};
 }
 
 double IncrementalPotential::energy(std::span<const Vec3> x) const {
   const double inertia =
       ordered_sum(vertex_count(), [&](std::int64_t v) { return masses_[v] / 2 * (x[v] - targets_[v]).squaredNorm(); });
-  const double elastic = ordered_sum(std::ssize(elements_), [&](std::int64_t e) {
-    double sum = 0;
-    const StencilPositions<4> own = corners(static_cast<Index>(e), x);
-    visit_element(static_cast<Index>(e), [&](const auto& element) { sum += element.energy(own); });
-    return sum;
-  });
+  const double elastic =
+      ordered_sum(std::ssize(elements_), [&](std::int64_t e) { return element_energy(static_cast<Index>(e), x); });
   const double cloth =
       ordered_sum(cloth_.count(), [&](std::int64_t t) { return cloth_.energy(static_cast<Index>(t), x); });
   return inertia + elastic + cloth +
@@ -191,11 +210,8 @@ double IncrementalPotential::energy(std::span<const Vec3> x) const {
 
 void IncrementalPotential::find_gradient(std::span<const Vec3> x, Eigen::VectorXd& gradient) const {
   std::vector<StencilGradient<4>> of_elements(elements_.size());
-  parallel_for(std::ssize(elements_), kEnergyGrain, [&](std::int64_t e) {
-    of_elements[e].setZero();
-    const StencilPositions<4> own = corners(static_cast<Index>(e), x);
-    visit_element(static_cast<Index>(e), [&](const auto& element) { of_elements[e] += element.gradient(own); });
-  });
+  parallel_for(std::ssize(elements_), kEnergyGrain,
+               [&](std::int64_t e) { of_elements[e] = element_gradient(static_cast<Index>(e), x); });
   std::vector<StencilGradient<4>> of_cloth(cloth_.count());
   parallel_for(std::ssize(of_cloth), kEnergyGrain,
                [&](std::int64_t t) { of_cloth[t] = cloth_.gradient(static_cast<Index>(t), x); });
@@ -238,16 +254,8 @@ bool IncrementalPotential::assemble(std::span<const Vec3> x, bool exact, Eigen::
                                     BlockMatrix& matrix) {
   const bool renews = pattern_is_old_ || matrix.first.empty();
   if (renews) renew_pattern(matrix);
-  parallel_for(std::ssize(elements_), kEnergyGrain, [&](std::int64_t e) {
-    ElementDerivatives& derivatives = element_derivatives_[e];
-    derivatives.gradient.setZero();
-    derivatives.hessian.setZero();
-    const StencilPositions<4> own = corners(static_cast<Index>(e), x);
-    visit_element(static_cast<Index>(e), [&](const auto& element) {
-      derivatives.gradient += element.gradient(own);
-      derivatives.hessian += exact ? element.hessian(own) : element.positive_hessian(own);
-    });
-  });
+  parallel_for(std::ssize(elements_), kEnergyGrain,
+               [&](std::int64_t e) { element_derivatives_[e] = element_derivatives(static_cast<Index>(e), x, exact); });
   parallel_for(std::ssize(terms_), kTermGrain,
                [&](std::int64_t t) { term_derivatives_[t] = terms_[t].derivatives(terms_[t].offset(x)); });
   parallel_for(std::ssize(cloth_derivatives_), kEnergyGrain,
@@ -309,8 +317,8 @@ void IncrementalPotential::add_element_by_vertex(std::span<const Vec3> x, Index 
   const RestSimplex<3>& rest = elements_[e].rest;
   const Eigen::Matrix3d f = rest.deformation(corners(e, x));
   const Eigen::Vector3d b = rest.by_vertex(k);
-  visit_element(e, [&](const auto& energy) {
-    const VertexDerivatives own = energy.material.by_vertex(f, b);
+  visit_densities(e, [&](const auto& density) {
+    const VertexDerivatives own = density.by_vertex(f, b);
     sum.gradient += rest.size * own.gradient;
     sum.hessian += rest.size * own.hessian;
   });

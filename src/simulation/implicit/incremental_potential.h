@@ -97,7 +97,10 @@ class IncrementalPotential {
   void renew_pattern(BlockMatrix& matrix);
   void add_cloth_row(Index v, BlockMatrix& matrix, Eigen::Vector3d& sum) const;
   template <typename Visit>
-  void visit_element(Index e, const Visit& visit) const;
+  void visit_densities(Index e, const Visit& visit) const;
+  double element_energy(Index e, std::span<const Vec3> x) const;
+  StencilGradient<4> element_gradient(Index e, std::span<const Vec3> x) const;
+  ElementDerivatives element_derivatives(Index e, std::span<const Vec3> x, bool exact) const;
   StencilPositions<4> corners(Index e, std::span<const Vec3> x) const;
 
   const Model& model_;
