@@ -40,6 +40,9 @@ nb::dict row_of(const FrameStatistics& row) {
   result["inverted_elements"] = row.inverted_elements;
   result["flat_elements"] = row.flat_elements;
   result["kinetic_energy"] = row.kinetic_energy;
+  result["elastic_energy"] = row.elastic_energy;
+  result["gravity_energy"] = row.gravity_energy;
+  result["objective"] = row.objective;
   result["fastest"] = row.fastest;
   result["volumes"] = row.volumes;
   result["traversals"] = row.traversals;

@@ -1,5 +1,7 @@
 #include "scene/frame_measures.h"
 
+#include "core/parallel.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -7,12 +9,10 @@ namespace selvage {
 
 namespace {
 
-void measure_motion(const Model& model, const State& state, FrameStatistics& row) {
-  for (std::size_t v = 0; v < state.velocities.size(); ++v) {
-    const double squared_speed = state.velocities[v].squaredNorm(), inverse_mass = model.inverse_masses[v];
-    row.fastest = std::max(row.fastest, std::sqrt(squared_speed));
-    if (inverse_mass > 0) row.kinetic_energy += 0.5 * squared_speed / inverse_mass;
-  }
+double fastest_of(const State& state) {
+  double squared_speed = 0;
+  for (const Vec3& velocity : state.velocities) squared_speed = std::max(squared_speed, velocity.squaredNorm());
+  return std::sqrt(squared_speed);
 }
 
 /// Part of an element's volume at rest up to which it is flat.
@@ -26,10 +26,19 @@ double volume_of(const std::vector<Vec3>& positions, const VertexTuple<4>& eleme
 /// Part of a body's volume at rest up to which it has none.
 constexpr double kNoVolume = 1e-3;
 
-void measure_volumes(const Model& model, const State& state, FrameStatistics& row) {
-  for (const auto& element : model.mesh.elements())
-    row.flat_elements +=
-        std::abs(volume_of(state.positions, element)) <= kFlat * volume_of(model.rest_positions, element);
+std::int64_t count_flat_elements(const Model& model, const State& state) {
+  struct Count {
+    std::int64_t flat = 0;
+    void add(const Count& other) { flat += other.flat; }
+  };
+  const auto& elements = model.mesh.elements();
+  return parallel_reduce<Count>(std::ssize(elements), 1024,
+                                [&](std::int64_t begin, std::int64_t end, Count& count) {
+                                  for (std::int64_t e = begin; e < end; ++e)
+                                    count.flat += std::abs(volume_of(state.positions, elements[e])) <=
+                                                  kFlat * volume_of(model.rest_positions, elements[e]);
+                                })
+      .flat;
 }
 
 void add_crossings(const Crossings& crossings, FrameStatistics& row) {
@@ -51,6 +60,7 @@ void add_crossings(const Crossings& crossings, FrameStatistics& row) {
 
 FrameMeasures::FrameMeasures(const Scene& scene)
     : scene_(scene),
+      energies_(scene.model),
       finder_(scene.model.mesh, scene.initial_state.positions),
       bodies_(scene.model, scene.initial_state.positions),
       colliders_(scene.model, scene.colliders, scene.handles) {}
@@ -59,8 +69,12 @@ void FrameMeasures::measure(const State& state, std::int64_t frame, FrameStatist
   row.frame = frame;
   row.time = state.time;
   row.steps = state.steps;
-  measure_motion(scene_.model, state, row);
-  measure_volumes(scene_.model, state, row);
+  const Energies energies = energies_.measure(state, scene_.options.gravity);
+  row.kinetic_energy = energies.kinetic;
+  row.elastic_energy = energies.elastic;
+  row.gravity_energy = energies.gravity;
+  row.fastest = fastest_of(state);
+  row.flat_elements = count_flat_elements(scene_.model, state);
   finder_.update(state.positions);
   row.inverted_elements = finder_.defects().inverted_elements;
   crossings_ = {bodies_.measure(finder_, state.positions), colliders_.measure(finder_, state)};

@@ -4,6 +4,7 @@
 #include "selvage/scene/run.h"
 #include "simulation/crossings/body_crossings.h"
 #include "simulation/crossings/collider_crossings.h"
+#include "simulation/implicit/energies.h"
 
 namespace selvage {
 
@@ -21,6 +22,7 @@ class FrameMeasures {
 
  private:
   const Scene& scene_;
+  EnergyMeasure energies_;
   BoundaryPathFinder<3> finder_;
   BodyCrossingFinder bodies_;
   ColliderCrossingFinder colliders_;

@@ -117,6 +117,7 @@ class SceneSimulation {
         add_step(solver.statistics(), row);
         if (options_.on_step) options_.on_step({frame, step + 1, scene_.substeps, longest_phase(solver.statistics())});
       }
+      row.objective = solver.objective();
       measures_.measure(state, frame, row);
     });
     return row;

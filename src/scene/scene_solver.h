@@ -19,6 +19,15 @@ class SceneSolver {
   const StepStatistics& statistics() const {
     return std::visit([](const auto& solver) -> const StepStatistics& { return solver.statistics(); }, solver_);
   }
+  /// Where the solver has one, else 0.
+  double objective() const {
+    return std::visit(
+        [](const auto& solver) {
+          if constexpr (requires { solver.objective(); }) return solver.objective();
+          return 0.0;
+        },
+        solver_);
+  }
 
  private:
   using Solver = std::variant<XpbdSolver, NewtonSolver, VbdSolver>;

@@ -38,8 +38,12 @@ struct FrameStatistics {
   double deepest_in_colliders = 0, deepest_collider_point = 0;
   std::int64_t inverted_elements = 0;
   std::int64_t flat_elements = 0;  ///< volume of either sign of at most 1e-9 of that at rest
-  double kinetic_energy = 0;       ///< [J]
-  double fastest = 0;              ///< speed of the fastest vertex [m/s]
+  // Measured by the materials alone, alike for all solvers [J].
+  double kinetic_energy = 0;
+  double elastic_energy = 0;  ///< of elements, springs and cloth; 0 at rest
+  double gravity_energy = 0;  ///< 0 where all masses are in the origin
+  double objective = 0;       ///< NewtonSolver::objective(), VbdSolver::objective() of the last step [J]
+  double fastest = 0;         ///< speed of the fastest vertex [m/s]
 
   // Costs. They are no part of the result: a run that was continued has other hierarchies than one that never stopped,
   // and visits other nodes.

@@ -64,6 +64,10 @@ class NewtonSolver {
   /// Of the last step.
   const StepStatistics& statistics() const;
 
+  /// What the last step minimised, where its solver stopped [J]: inertia, elastic energy, damping and contacts. Only
+  /// values of one step compare. 0: all bodies slept, or there was no step. O(n_vertices + n_elements).
+  double objective() const;
+
  private:
   struct Parts;
   std::unique_ptr<Parts> parts_;

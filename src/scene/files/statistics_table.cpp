@@ -51,6 +51,9 @@ constexpr std::array kColumns{
     Column{"inverted_elements", &Row::inverted_elements},
     Column{"flat_elements", &Row::flat_elements},
     Column{"kinetic_energy", &Row::kinetic_energy},
+    Column{"elastic_energy", &Row::elastic_energy},
+    Column{"gravity_energy", &Row::gravity_energy},
+    Column{"objective", &Row::objective},
     Column{"fastest", &Row::fastest},
     // Costs follow.
     Column{"volumes", &Row::volumes},

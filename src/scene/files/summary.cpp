@@ -130,6 +130,8 @@ Json state_at_end(const Scene& scene, const RunReport& report) {
             {"inverted_elements", last.inverted_elements},
             {"flat_elements", last.flat_elements},
             {"kinetic_energy", last.kinetic_energy},
+            {"elastic_energy", last.elastic_energy},
+            {"gravity_energy", last.gravity_energy},
             {"fastest", last.fastest}};
   add_crossings(scene, report.crossings, json);
   return json;

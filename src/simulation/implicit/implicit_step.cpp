@@ -86,7 +86,8 @@ void ImplicitStep::project() {
 }
 
 void ImplicitStep::step(State& state, std::span<const Vec3> external_forces, const Minimizer& minimize) {
-  if (time_step_.skip_asleep(state, external_forces)) return;
+  has_stepped_ = !time_step_.skip_asleep(state, external_forces);
+  if (!has_stepped_) return;
   time_step_.begin(state, external_forces);
   time_step_.find_contacts();
   collider_terms_.clear();

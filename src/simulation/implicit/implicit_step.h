@@ -25,6 +25,8 @@ class ImplicitStep {
 
   const TimeStep& time_step() const { return time_step_; }
   StepStatistics& statistics() { return time_step_.statistics(); }
+  /// See NewtonSolver::objective().
+  double objective() const { return has_stepped_ ? potential_.energy(x_) : 0; }
   /// Mean length of the elements' edges at rest [m].
   double mean_edge() const { return mean_edge_; }
 
@@ -39,7 +41,8 @@ class ImplicitStep {
   TimeStep time_step_;
   IncrementalPotential potential_;
   double mean_edge_;
-  std::vector<Vec3> x_;  ///< (n_vertices)
+  bool has_stepped_ = false;  ///< the last step was solved: not all slept
+  std::vector<Vec3> x_;       ///< (n_vertices)
   std::vector<OffsetTerm> collider_terms_;
   std::vector<std::uint8_t> has_collider_term_;  ///< (n_vertices)
   std::vector<Contact> impacts_;

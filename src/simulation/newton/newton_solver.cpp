@@ -70,4 +70,8 @@ const StepStatistics& NewtonSolver::statistics() const {
   return parts_->implicit.time_step().statistics();
 }
 
+double NewtonSolver::objective() const {
+  return parts_->implicit.objective();
+}
+
 }  // namespace selvage

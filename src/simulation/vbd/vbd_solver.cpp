@@ -133,4 +133,8 @@ const StepStatistics& VbdSolver::statistics() const {
   return parts_->implicit.time_step().statistics();
 }
 
+double VbdSolver::objective() const {
+  return parts_->implicit.objective();
+}
+
 }  // namespace selvage
