@@ -146,7 +146,7 @@ nb::dict statistics_of(const StepStatistics& s) {
   result["unguarded_vertices"] = s.unguarded_vertices;
   result["sleeping_bodies"] = s.sleeping_bodies;
   constexpr std::array<const char*, kContactKinds> kKinds{"vertex_paths", "edge_paths", "centroid_paths",
-                                                          "vertex_faces", "edge_edges"};
+                                                          "vertex_faces", "edge_edges", "contours"};
   for (std::size_t kind = 0; kind < kKinds.size(); ++kind) result[kKinds[kind]] = s.contact.contacts[kind];
   result["penetrating_vertices"] = s.contact.penetrating_vertices;
   result["penetrating_edges"] = s.contact.penetrating_edges;

@@ -2,6 +2,7 @@
 
 #include "contact/closest_rules.h"
 #include "contact/common_ways_out.h"
+#include "contact/contours/cloth_contours.h"
 #include "contact/impacts/impact_search.h"
 #include "contact/impacts/met_faces.h"
 #include "contact/impacts/near_contacts.h"
@@ -31,14 +32,6 @@ bool is_same_point(const Contact& a, const Contact& b) {
 
 }  // namespace
 
-PenetrationCounters& PenetrationCounters::operator+=(const PenetrationCounters& other) {
-  features += other.features;
-  searched += other.searched;
-  elements_tested += other.elements_tested;
-  crossings += other.crossings;
-  return *this;
-}
-
 struct ContactFinder::Impl {
   const TetMesh& mesh;
   ContactOptions options;
@@ -51,6 +44,7 @@ struct ContactFinder::Impl {
   std::optional<NearSearch> near;  ///< of thick cloth
   std::optional<RestPoseRule> rest_pose;
   std::optional<EuclideanRule> euclidean;
+  Contours contours;                    ///< of cloth at the start of the step; none but for kHybrid
   std::optional<CommonWaysOut> common;  ///< of the shortest paths, where bodies penetrate at the start of steps only
 
   std::vector<Index> inside;  ///< features of the search that penetrate at the start of the step
@@ -109,7 +103,7 @@ ContactFinder::Impl::Impl(const TetMesh& m, std::span<const Vec3> rest_positions
       body_faces(m.boundary_face_count() + static_cast<Index>(cloth.triangles.size())),
       impacts(surface, body_faces),
       met_faces(surface, body_faces),
-      tangled(surface, body_faces, o.guarantee) {
+      tangled(surface, m.boundary_face_count(), body_faces, o.guarantee) {
   check_positions<3>(positions, vertex_count());
   if (!vertex_objects.empty() && std::ssize(vertex_objects) != mesh.vertex_count())
     throw Error("vertex_objects", fmt::format("{} for {} vertices", vertex_objects.size(), mesh.vertex_count()),
@@ -165,6 +159,9 @@ void ContactFinder::Impl::split_features() {
     }
   });
   tangled.mark(inside_vertices, inside_edges, search->crossings());
+  contours = {};
+  if (body_faces > mesh.boundary_face_count())
+    contours = find_contours(surface, positions_t0, search->crossings(), mesh.boundary_face_count(), body_faces);
   statistics.unguarded_vertices = tangled.count();
   statistics.penetrating_vertices = std::ssize(inside_vertices);
   statistics.penetrating_edges = std::ssize(inside_edges);
@@ -300,22 +297,28 @@ StepImpacts ContactFinder::Impl::find_impacts(std::span<const Vec3> positions) {
       return inside_of(inside_edges, p.first) || inside_of(inside_edges, p.second);
     });
   }
+  std::erase_if(pairs.vertex_face, [&](const VertexFacePair& p) {
+    return tangled.is_of_cloth({&p.vertex, 1}, surface.triangles()[p.face]);
+  });
+  std::erase_if(pairs.edge_edge, [&](const EdgeEdgePair& p) {
+    return tangled.is_of_cloth(surface.edges()[p.first], surface.edges()[p.second]);
+  });
   return impacts.with_times(std::move(pairs));
 }
 
-/// Those that are to be held back: at no vertex where bodies penetrate. Without the guarantee of no inverted element
+/// Those that are to be held back: at no vertex where bodies penetrate; of two features of cloth, not where both have
+/// one. Without the guarantee of no inverted element
 /// either, and no vertices of the mesh that run into colliders, which are kept out by the shapes.
 StepImpacts ContactFinder::Impl::find_untangled_impacts(std::span<const Vec3> positions) {
   ContinuousPairs pairs = find_pairs(positions);
-  const auto is_left_out = [&](std::span<const Index> vertices) {
-    return tangled.has_any(vertices) || (!options.guarantee && inverted.has_any(vertices));
+  const auto is_left_out = [&](std::span<const Index> one, std::span<const Index> other) {
+    return tangled.leaves_out(one, other) || (!options.guarantee && (inverted.has_any(one) || inverted.has_any(other)));
   };
   std::erase_if(pairs.vertex_face, [&](const VertexFacePair& p) {
-    return (!options.guarantee && p.face >= body_faces) || is_left_out({&p.vertex, 1}) ||
-           is_left_out(surface.triangles()[p.face]);
+    return (!options.guarantee && p.face >= body_faces) || is_left_out({&p.vertex, 1}, surface.triangles()[p.face]);
   });
   std::erase_if(pairs.edge_edge, [&](const EdgeEdgePair& p) {
-    return is_left_out(surface.edges()[p.first]) || is_left_out(surface.edges()[p.second]);
+    return is_left_out(surface.edges()[p.first], surface.edges()[p.second]);
   });
   return impacts.with_times(std::move(pairs));
 }
@@ -345,6 +348,7 @@ void ContactFinder::Impl::find_contacts(std::span<const Vec3> positions, std::ve
   if (uses_dcd()) append_paths(positions, contacts);
   if (uses_ccd()) timed(statistics.seconds_ccd, [&] { append_contacts(find_impacts(positions), positions, contacts); });
   if (near) timed(statistics.seconds_ccd, [&] { append_near(contacts); });
+  append_contour_contacts(surface, positions_t0, contours, contacts);
   for (const Contact& contact : contacts) ++statistics.contacts[static_cast<int>(contact.kind)];
 }
 

@@ -50,6 +50,14 @@ std::vector<Index> vertices_of_bodies(const TetMesh& mesh, const TriangleMesh& s
 
 }  // namespace
 
+PenetrationCounters& PenetrationCounters::operator+=(const PenetrationCounters& other) {
+  features += other.features;
+  searched += other.searched;
+  elements_tested += other.elements_tested;
+  crossings += other.crossings;
+  return *this;
+}
+
 PenetrationSearch::PenetrationSearch(const TetMesh& mesh, const TriangleMesh& surface, Index body_faces,
                                      bool with_edges, std::span<const Vec3> positions, PathOptions options,
                                      bool joins_parts)

@@ -5,8 +5,15 @@
 
 namespace selvage {
 
-TangledVertices::TangledVertices(const TriangleMesh& surface, Index body_faces, bool is_strict)
-    : surface_(surface), body_faces_(body_faces), is_strict_(is_strict), is_tangled_(surface.vertex_count(), 0) {}
+TangledVertices::TangledVertices(const TriangleMesh& surface, Index first_cloth, Index body_faces, bool is_strict)
+    : surface_(surface),
+      body_faces_(body_faces),
+      is_strict_(is_strict),
+      is_tangled_(surface.vertex_count(), 0),
+      is_cloth_(surface.vertex_count(), 0) {
+  for (Index t = first_cloth; t < body_faces; ++t)
+    for (const Index v : surface.triangles()[t]) is_cloth_[v] = 1;
+}
 
 bool TangledVertices::has_any(std::span<const Index> vertices) const {
   return std::any_of(vertices.begin(), vertices.end(), [&](Index v) { return has(v); });

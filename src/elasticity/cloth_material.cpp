@@ -18,6 +18,7 @@ void check_material(std::string_view where, const ClothMaterial& m) {
   demand("bending stiffness", m.bending, m.bending >= 0, kNotNegative);
   demand("thickness", m.thickness, m.thickness >= 0, kNotNegative);
   demand("damping", m.damping, m.damping >= 0, kNotNegative);
+  demand("damping of bends", m.bending_damping.value_or(0), m.bending_damping.value_or(0) >= 0, kNotNegative);
   if (m.kind == ClothKind::kIsotropic) {
     demand("stiffness", m.stiffness, m.stiffness > 0, kPositive);
     demand("Poisson's ratio", m.poisson_ratio, m.poisson_ratio >= 0 && m.poisson_ratio <= 0.5,

@@ -90,6 +90,15 @@ struct Sample<QuadraticBending> {
   static auto make(Randoms& r) { return QuadraticBending::of(flat_hinge(), 1 + 0.5 * r.unit()); }
 };
 
+template <>
+struct Sample<HingeDamping> {
+  static auto make(Randoms& r) {
+    HingeDamping damping = HingeDamping::of(flat_hinge(), 1 + 0.5 * r.unit());
+    damping.start = 0.5 * r.unit();
+    return damping;
+  }
+};
+
 template <typename Energy>
 class Stencils : public testing::Test {
  public:
@@ -111,7 +120,7 @@ class Stencils : public testing::Test {
 using Energies =
     testing::Types<SimplexElement<3, NeoHookean>, SimplexElement<3, VolumeSpring>, SimplexElement<3, StrainDamping<3>>,
                    SimplexElement<2, MembraneNeoHookean>, SimplexElement<2, MembraneWeave>,
-                   SimplexElement<2, StrainDamping<2>>, EdgeSpring, HingeBending, QuadraticBending>;
+                   SimplexElement<2, StrainDamping<2>>, EdgeSpring, HingeBending, QuadraticBending, HingeDamping>;
 TYPED_TEST_SUITE(Stencils, Energies);
 
 constexpr double kShift = 1e-6;
@@ -176,7 +185,7 @@ TYPED_TEST(Stencils, HavePositiveHessiansThatAreNotBelowTheExactOnes) {
     negative += least_eigenvalue(exact) < -1e-9 * size;
     ASSERT_GT(least_eigenvalue(positive), -1e-12 * size);
     // Gauss-Newton leaves out curvature of either sign.
-    if constexpr (!std::is_same_v<TypeParam, HingeBending>) {
+    if constexpr (!std::is_same_v<TypeParam, HingeBending> && !std::is_same_v<TypeParam, HingeDamping>) {
       ASSERT_GT(least_eigenvalue((positive - exact).eval()), -1e-10 * size) << x;
     }
   }
@@ -300,7 +309,10 @@ TEST(VertexDerivatives, OfSheetsAreABlockOfTheWholeHessian) {
     const StencilPositions<4> hinge = random.columns<4>();
     const auto flat = QuadraticBending::of(flat_hinge(), 2);
     const auto bent = HingeBending::of(random.columns<4>(), 2);
+    const HingeDamping damped = Sample<HingeDamping>::make(random);
     for (int k = 0; k < 4; ++k) {
+      expect_block(damped.by_vertex(hinge, k), damped.gradient(hinge).col(k),
+                   damped.hessian(hinge).block<3, 3>(3 * k, 3 * k), true);
       expect_block(flat.by_vertex(hinge, k), flat.gradient(hinge).col(k), flat.hessian(hinge).block<3, 3>(3 * k, 3 * k),
                    true);
       const VertexDerivatives own = bent.by_vertex(hinge, k);
@@ -383,6 +395,30 @@ TEST(QuadraticBending, CostsSmallAnglesWhatTheHingeCosts) {
   const double expected = HingeBending::of(flat, 2).energy(x);
   EXPECT_NEAR(QuadraticBending::of(flat, 2).energy(x) / expected, 1, 1e-5);
   EXPECT_LT(QuadraticBending::of(flat, 2).energy(flat), 1e-28);
+}
+
+TEST(HingeDamping, CostsNothingForRigidMotionAndResistsFoldingLikeAFold) {
+  Randoms random;
+  const HingePositions flat = flat_hinge();
+  const auto folded = [&](double angle) {
+    HingePositions x = flat;
+    x.col(2) = Eigen::Vector3d(0.25, 0.75 * std::cos(angle), 0.75 * std::sin(angle));
+    return x;
+  };
+  const HingeBending hinge = HingeBending::of(flat, 2);
+  HingeDamping damping = HingeDamping::of(flat, hinge.stiffness);
+  for (const double start : {-0.3, 0.0, 0.8}) {
+    damping.start = damping.sine(folded(start));
+    EXPECT_NEAR(damping.start, std::sin(start), 1e-15);
+    const HingePositions turned = (random.rotation() * folded(start)).colwise() + Eigen::Vector3d(random.vector());
+    EXPECT_NEAR(damping.energy(turned), 0, 1e-28);
+    EXPECT_LT(damping.gradient(turned).norm(), 1e-13);
+  }
+  // From flat on, a small fold costs what it costs the hinge; at a right angle folding is not resisted.
+  damping.start = 0;
+  EXPECT_NEAR(damping.energy(folded(1e-3)) / hinge.energy(folded(1e-3)), 1, 1e-5);
+  EXPECT_NEAR((damping.sine(folded(std::numbers::pi / 2 + 1e-4)) - damping.sine(folded(std::numbers::pi / 2))), 0,
+              1e-8);
 }
 
 TEST(StrainDamping, CostsNothingForRigidMotionAndResistsStretchingLikeAStretch) {

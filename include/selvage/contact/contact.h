@@ -11,8 +11,9 @@ enum class ContactKind : std::uint8_t {
   kCentroidPath,  ///< DCD: an element's centroid inside another element, with its shortest path out
   kVertexFace,    ///< CCD: a vertex ran into a face
   kEdgeEdge,      ///< CCD: two edges ran into each other
+  kContour,  ///< DCD: an edge through a face of cloth, which has no way out; both are pulled to where they cross less
 };
-inline constexpr int kContactKinds = 5;
+inline constexpr int kContactKinds = 6;
 
 /// One inequality on positions: a point that must not be behind a point of a surface,
 ///
@@ -30,7 +31,8 @@ struct Contact {
   std::array<double, kMaxVertices> weights{};
   Vec3 normal = Vec3::Zero();     ///< unit; out of the surface, or to the side that the point came from
   Vec3 point = Vec3::Zero();      ///< of the surface: the closest boundary point, or where they met [m]
-  double distance = 0;            ///< that is kept in front of the surface, where it was there before: of cloth [m]
+  double distance = 0;            ///< that is kept in front of the surface, where it was there before: of cloth [m].
+                                  ///< For kContour: what is to be gained in a step
   double time = 0;                ///< of impact, as a fraction of the step; 0 for DCD
   Index point_feature = kNone;    ///< the penetrating feature: a vertex, a boundary edge or an element, by its number
   Index surface_feature = kNone;  ///< the feature that it meets: a boundary face, or for kEdgeEdge a boundary edge

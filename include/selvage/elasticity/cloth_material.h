@@ -2,6 +2,7 @@
 
 #include "selvage/core/types.h"
 
+#include <optional>
 #include <string_view>
 
 namespace selvage {
@@ -25,6 +26,7 @@ struct ClothMaterial {
   double bending = 1e-5;                         ///< [J], 0: as limp as can be
   double thickness = 0;  ///< contacts hold sheets so far apart, and all else half as far from them [m]
   double damping = 0;    ///< as Material::damping [s]
+  std::optional<double> bending_damping{};  ///< of bends; none: as damping [s]
 };
 
 /// @throws Error  when a number of the material is out of its range or not finite; it names `where` and the number

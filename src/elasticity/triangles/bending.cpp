@@ -151,4 +151,55 @@ StencilHessian<4> QuadraticBending::hessian(const HingePositions&) const {
   return h;
 }
 
+HingeDamping HingeDamping::of(const HingePositions& rest, double stiffness) {
+  const Hinge hinge(rest);
+  const double areas = hinge.normals[0].norm() * hinge.normals[1].norm();
+  return {stiffness, std::sqrt(hinge.squared_edge) / areas, 0};
+}
+
+double HingeDamping::sine(const HingePositions& x) const {
+  const Hinge hinge(x);
+  return scale * hinge.sides[1].dot(hinge.normals[0]);
+}
+
+StencilGradient<4> HingeDamping::sine_gradient(const HingePositions& x) const {
+  const Hinge hinge(x);
+  StencilGradient<4> g;
+  g.col(1) = scale * hinge.sides[0].cross(hinge.sides[1]);
+  g.col(2) = scale * hinge.normals[1];
+  g.col(3) = scale * hinge.normals[0];
+  g.col(0) = -g.col(1) - g.col(2) - g.col(3);
+  return g;
+}
+
+double HingeDamping::energy(const HingePositions& x) const {
+  const double change = sine(x) - start;
+  return stiffness / 2 * change * change;
+}
+
+StencilGradient<4> HingeDamping::gradient(const HingePositions& x) const {
+  return stiffness * (sine(x) - start) * sine_gradient(x);
+}
+
+StencilHessian<4> HingeDamping::positive_hessian(const HingePositions& x) const {
+  const Eigen::Matrix<double, 12, 1> g = sine_gradient(x).reshaped();
+  return stiffness * g * g.transpose();
+}
+
+VertexDerivatives HingeDamping::by_vertex(const HingePositions& x, int vertex) const {
+  const Vector g = sine_gradient(x).col(vertex);
+  return {stiffness * (sine(x) - start) * g, stiffness * g * g.transpose()};
+}
+
+StencilHessian<4> HingeDamping::hessian(const HingePositions& x) const {
+  const Hinge hinge(x);
+  const Jacobian edge = difference_to(1), first = difference_to(2), second = difference_to(3);
+  const Jacobian by_edge = cross_product_matrix(hinge.sides[0]) * second - cross_product_matrix(hinge.sides[1]) * first,
+                 by_first = cross_product_matrix(hinge.sides[1]) * edge - cross_product_matrix(hinge.edge) * second,
+                 by_second = cross_product_matrix(hinge.edge) * first - cross_product_matrix(hinge.sides[0]) * edge;
+  const double pull = stiffness * (sine(x) - start) * scale;
+  return positive_hessian(x) +
+         pull * (edge.transpose() * by_edge + first.transpose() * by_first + second.transpose() * by_second);
+}
+
 }  // namespace selvage

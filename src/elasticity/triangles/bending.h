@@ -67,4 +67,35 @@ struct QuadraticBending {
 
 static_assert(StencilEnergy<QuadraticBending>);
 
+/// Damping of bending over a time step, as an energy: stiffness/2 (s - start)^2, where s is the sine of the hinge's
+/// angle with edge and heights as they are at rest, and `start` that at the start of the step. With the hinge's
+/// stiffness times the damping over the step, folding at a rate r is resisted like a fold by damping * r where the
+/// cloth is nearly flat; less where it is folded further, nothing at a right angle.
+///
+/// s is six times the volume of the four vertices, over lengths: rigid motion does not change it, so that it costs
+/// nothing, and forces have neither resultant nor moment. In one vertex s is linear.
+struct HingeDamping {
+  static constexpr int kVertices = 4;
+
+  double stiffness;  ///< [J]
+  double scale;      ///< s over six times the volume [1/m^3]
+  double start;      ///< s at the start of the step [1]
+
+  /// @param rest  as it is at rest, with triangles that have an area
+  static HingeDamping of(const HingePositions& rest, double stiffness);
+
+  double sine(const HingePositions& x) const;
+  /// Of the sine.
+  StencilGradient<4> sine_gradient(const HingePositions& x) const;
+
+  double energy(const HingePositions& x) const;
+  StencilGradient<4> gradient(const HingePositions& x) const;
+  StencilHessian<4> hessian(const HingePositions& x) const;
+  /// Gauss-Newton: without the curvature of the sine.
+  StencilHessian<4> positive_hessian(const HingePositions& x) const;
+  VertexDerivatives by_vertex(const HingePositions& x, int vertex) const;
+};
+
+static_assert(StencilEnergy<HingeDamping>);
+
 }  // namespace selvage

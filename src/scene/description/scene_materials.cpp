@@ -55,6 +55,7 @@ void read_cloth(JsonObject& object, ClothMaterial& cloth) {
   if (const auto v = object.find("bending")) cloth.bending = v->number(kNotNegative);
   if (const auto v = object.find("thickness")) cloth.thickness = v->number(kNotNegative);
   if (const auto v = object.find("damping")) cloth.damping = v->number(kNotNegative);
+  if (const auto v = object.find("bending_damping")) cloth.bending_damping = v->number(kNotNegative);
 }
 
 }  // namespace

@@ -57,6 +57,7 @@ Json json_of(const ClothMaterial& cloth) {
   json["bending"] = cloth.bending;
   json["thickness"] = cloth.thickness;
   json["damping"] = cloth.damping;
+  if (cloth.bending_damping) json["bending_damping"] = *cloth.bending_damping;
   return json;
 }
 

@@ -4,7 +4,7 @@
 
 namespace selvage {
 
-ClothTerms::ClothTerms(const Model& model, double time_step) : hinges_(list_cloth_hinges(model)) {
+ClothTerms::ClothTerms(const Model& model, double time_step) {
   for (const ClothTriangle& piece : list_cloth_triangles(model)) {
     const ClothMaterial& m = model.bodies[piece.body].cloth;
     const double damping = m.damping / time_step;
@@ -19,6 +19,11 @@ ClothTerms::ClothTerms(const Model& model, double time_step) : hinges_(list_clot
           {piece, MembraneWeave{m.warp, m.weft, m.shear}, {damping * m.shear, 0, Eigen::Matrix2d::Identity()}});
     }
   }
+  for (const ClothHinge& piece : list_cloth_hinges(model)) {
+    const ClothMaterial& cloth = model.bodies[piece.body].cloth;
+    const double damping = cloth.bending_damping.value_or(cloth.damping) / time_step * piece.bent.stiffness;
+    hinges_.push_back({piece, HingeDamping::of(gather(piece.vertices, model.rest_positions), damping)});
+  }
   term_first_.assign(model.mesh.vertex_count() + 1, 0);
   for (Index t = 0; t < count(); ++t)
     for (const Index v : vertices_of(t)) ++term_first_[v + 1];
@@ -32,7 +37,7 @@ ClothTerms::ClothTerms(const Model& model, double time_step) : hinges_(list_clot
 std::span<const Index> ClothTerms::vertices_of(Index term) const {
   const auto triangles = static_cast<Index>(triangles_.size());
   if (term < triangles) return triangles_[term].piece.vertices;
-  return hinges_[term - triangles].vertices;
+  return hinges_[term - triangles].piece.vertices;
 }
 
 void ClothTerms::begin(std::span<const Vec3> positions) {
@@ -40,6 +45,7 @@ void ClothTerms::begin(std::span<const Vec3> positions) {
     const DeformationGradient<2> f = triangle.piece.rest.deformation(gather(triangle.piece.vertices, positions));
     triangle.damping.squared_start = f.transpose() * f;
   }
+  for (Hinge& hinge : hinges_) hinge.damping.start = hinge.damping.sine(gather(hinge.piece.vertices, positions));
 }
 
 /// Calls visit with each energy of a term, and its vertices' positions.
@@ -47,9 +53,10 @@ template <typename Visit>
 void ClothTerms::visit(Index term, std::span<const Vec3> x, const Visit& visit) const {
   const auto triangles = static_cast<Index>(triangles_.size());
   if (term >= triangles) {
-    const ClothHinge& hinge = hinges_[term - triangles];
+    const auto& [hinge, damping] = hinges_[term - triangles];
     const HingePositions own = gather(hinge.vertices, x);
     hinge.is_flat ? visit(hinge.flat, own) : visit(hinge.bent, own);
+    if (damping.stiffness > 0) visit(damping, own);
     return;
   }
   const Triangle& triangle = triangles_[term];
@@ -93,33 +100,29 @@ int ClothTerms::place_of(Index term, Index vertex) const {
   return static_cast<int>(std::find(vertices.begin(), vertices.end(), vertex) - vertices.begin());
 }
 
-void ClothTerms::add_by_vertex(std::span<const Vec3> x, Index v, VertexDerivatives& sum) const {
-  for (const Index t : terms_of(v)) {
-    const int place = place_of(t, v);
-    visit(t, x, [&](const auto& energy, const auto& own) {
-      if constexpr (requires { energy.rest; }) {
-        const VertexDerivatives by =
-            energy.material.by_vertex(energy.rest.deformation(own), energy.rest.by_vertex(place));
-        sum.gradient += energy.rest.size * by.gradient;
-        sum.hessian += energy.rest.size * by.hessian;
-      } else {
-        const VertexDerivatives by = energy.by_vertex(own, place);
-        sum.gradient += by.gradient;
-        sum.hessian += by.hessian;
-      }
-    });
-  }
+void ClothTerms::add_by_vertex(std::span<const Vec3> x, Index term, Index v, VertexDerivatives& sum) const {
+  const int place = place_of(term, v);
+  visit(term, x, [&](const auto& energy, const auto& own) {
+    if constexpr (requires { energy.rest; }) {
+      const VertexDerivatives by =
+          energy.material.by_vertex(energy.rest.deformation(own), energy.rest.by_vertex(place));
+      sum.gradient += energy.rest.size * by.gradient;
+      sum.hessian += energy.rest.size * by.hessian;
+    } else {
+      const VertexDerivatives by = energy.by_vertex(own, place);
+      sum.gradient += by.gradient;
+      sum.hessian += by.hessian;
+    }
+  });
 }
 
-double ClothTerms::energy_by_vertex(std::span<const Vec3> x, Index v, const Vec3& at) const {
+double ClothTerms::energy_by_vertex(std::span<const Vec3> x, Index term, Index v, const Vec3& at) const {
+  const int place = place_of(term, v);
   double sum = 0;
-  for (const Index t : terms_of(v)) {
-    const int place = place_of(t, v);
-    visit(t, x, [&](const auto& energy, auto own) {
-      own.col(place) = at;
-      sum += energy.energy(own);
-    });
-  }
+  visit(term, x, [&](const auto& energy, auto own) {
+    own.col(place) = at;
+    sum += energy.energy(own);
+  });
   return sum;
 }
 

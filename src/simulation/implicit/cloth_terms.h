@@ -9,7 +9,7 @@
 
 namespace selvage {
 
-/// Energies of a model's cloth: of its triangles, with damping over a step, and of its hinges, which are not damped.
+/// Energies of a model's cloth: of its triangles, and of its hinges, each with damping over a step.
 class ClothTerms {
  public:
   ClothTerms(const Model& model, double time_step);
@@ -35,24 +35,31 @@ class ClothTerms {
   StencilGradient<4> gradient(Index term, std::span<const Vec3> x) const;
   Derivatives derivatives(Index term, std::span<const Vec3> x, bool exact) const;
 
-  /// Adds the derivatives of a vertex's terms by its position.
-  void add_by_vertex(std::span<const Vec3> x, Index v, VertexDerivatives& sum) const;
-  /// Sum of the energies of a vertex's terms, with the vertex where it is put and all others at x.
-  double energy_by_vertex(std::span<const Vec3> x, Index v, const Vec3& at) const;
+  /// Adds the derivatives of one of a vertex's terms by its position.
+  void add_by_vertex(std::span<const Vec3> x, Index term, Index v, VertexDerivatives& sum) const;
+  /// Energy of one of a vertex's terms, with the vertex where it is put and all others at x.
+  double energy_by_vertex(std::span<const Vec3> x, Index term, Index v, const Vec3& at) const;
 
- private:
   struct Triangle {
     ClothTriangle piece;
     std::variant<MembraneNeoHookean, MembraneWeave> material;
     StrainDamping<2> damping;
   };
+  struct Hinge {
+    ClothHinge piece;
+    HingeDamping damping;
+  };
+  /// Terms are these, then those.
+  std::span<const Triangle> triangles() const { return triangles_; }
+  std::span<const Hinge> hinges() const { return hinges_; }
 
+ private:
   int place_of(Index term, Index vertex) const;
   template <typename Visit>
   void visit(Index term, std::span<const Vec3> x, const Visit& visit) const;
 
   std::vector<Triangle> triangles_;
-  std::vector<ClothHinge> hinges_;
+  std::vector<Hinge> hinges_;
   std::vector<Index> term_first_, term_of_vertex_;
 };
 

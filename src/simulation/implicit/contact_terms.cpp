@@ -50,8 +50,8 @@ void append_contact_terms(TimeStep& time_step, const IncrementalPotential& poten
     term.start = offset_of(contact, step.positions);
     const double gap = term.normal.dot(term.start);
     const bool by_ccd = contact.kind == ContactKind::kVertexFace || contact.kind == ContactKind::kEdgeEdge;
-    term.target =
-        by_ccd ? std::clamp(gap, 0.0, std::max(kContactGap * most, contact.distance)) : std::min(gap + most, 0.0);
+    term.target = by_ccd ? std::clamp(gap, 0.0, std::max(kContactGap * most, contact.distance))
+                         : std::min(gap + most, contact.kind == ContactKind::kContour ? contact.distance : 0.0);
     term.slip = kSlip * most;
     term.coefficient =
         coefficient_of(time_step.friction_of(contact), term, step.length() * offset_of(contact, step.velocities));

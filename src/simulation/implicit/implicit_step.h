@@ -24,6 +24,7 @@ class ImplicitStep {
   void step(State& state, std::span<const Vec3> external_forces, const Minimizer& minimize);
 
   const TimeStep& time_step() const { return time_step_; }
+  const IncrementalPotential& potential() const { return potential_; }
   StepStatistics& statistics() { return time_step_.statistics(); }
   /// See NewtonSolver::objective().
   double objective() const { return has_stepped_ ? potential_.energy(x_) : 0; }

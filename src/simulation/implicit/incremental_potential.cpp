@@ -324,45 +324,21 @@ void IncrementalPotential::add_element_by_vertex(std::span<const Vec3> x, Index 
   });
 }
 
-/// Of vertex i of a term and all others of it that move at the same time.
-double IncrementalPotential::weight_with_colour(const OffsetTerm& term, int i, std::span<const Index> colours) const {
-  double together = std::abs(term.weights[i]);
-  for (int j = 0; j < term.count && !colours.empty(); ++j)
-    if (j != i && colours[term.vertices[j]] == colours[term.vertices[i]] && is_free(term.vertices[j]))
-      together += std::abs(term.weights[j]);
-  return together;
-}
-
-void IncrementalPotential::add_terms_by_vertex(std::span<const Vec3> x, Index v, std::span<const Index> colours,
-                                               VertexDerivatives& sum) const {
+void IncrementalPotential::add_terms_by_vertex(std::span<const Vec3> x, Index v, VertexDerivatives& sum) const {
   for (const Index t : terms_of(v)) {
     const OffsetTerm& term = terms_[t];
-    const int i = term.place_of(v);
+    const double weight = term.weights[term.place_of(v)];
     const OffsetTerm::Derivatives own = term.derivatives(term.offset(x));
-    sum.gradient += term.weights[i] * own.gradient;
-    sum.hessian += std::abs(term.weights[i]) * weight_with_colour(term, i, colours) * own.hessian;
+    sum.gradient += weight * own.gradient;
+    sum.hessian += weight * weight * own.hessian;
   }
-}
-
-double IncrementalPotential::terms_energy_by_vertex(std::span<const Vec3> x, Index v, std::span<const Index> colours,
-                                                    const Vec3& at) const {
-  double sum = 0;
-  for (const Index t : terms_of(v)) {
-    const OffsetTerm& term = terms_[t];
-    const int i = term.place_of(v);
-    const double weight = term.weights[i], together = weight_with_colour(term, i, colours);
-    if (weight == 0) continue;
-    const double share = std::abs(weight) / together;
-    sum += share * term.energy(term.offset(x) + weight / share * (at - x[v]));
-  }
-  return sum;
 }
 
 VertexDerivatives IncrementalPotential::by_vertex(std::span<const Vec3> x, Index v) const {
   VertexDerivatives sum = inertia_by_vertex(x, v);
   for (const Index e : model_.mesh.vertex_elements(v)) add_element_by_vertex(x, e, v, sum);
-  cloth_.add_by_vertex(x, v, sum);
-  add_terms_by_vertex(x, v, {}, sum);
+  for (const Index t : cloth_.terms_of(v)) cloth_.add_by_vertex(x, t, v, sum);
+  add_terms_by_vertex(x, v, sum);
   return sum;
 }
 

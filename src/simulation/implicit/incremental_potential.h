@@ -55,15 +55,7 @@ class IncrementalPotential {
   /// contacts.
   VertexDerivatives inertia_by_vertex(std::span<const Vec3> x, Index v) const;
   void add_element_by_vertex(std::span<const Vec3> x, Index element, Index v, VertexDerivatives& sum) const;
-  /// @param colours  (n_vertices) of all vertices that are moved at the same time as v, or empty: v alone. A term that
-  ///                 has several of one colour then counts as much stiffer as makes all their steps together lower it:
-  ///                 (sum w_i d_i)^2 <= sum |w_i| (sum |w_j|) d_i^2.
-  void add_terms_by_vertex(std::span<const Vec3> x, Index v, std::span<const Index> colours,
-                           VertexDerivatives& sum) const;
-  /// Energies of those terms with v where it is put and all others at x. Of a term that has several vertices of one
-  /// colour the share of v: as energies of contacts are convex, what these say of all their moves one by one is at
-  /// least what the term has after all of them.
-  double terms_energy_by_vertex(std::span<const Vec3> x, Index v, std::span<const Index> colours, const Vec3& at) const;
+  void add_terms_by_vertex(std::span<const Vec3> x, Index v, VertexDerivatives& sum) const;
 
   const ClothTerms& cloth() const { return cloth_; }
   bool is_free(Index v) const { return masses_[v] > 0; }
@@ -93,7 +85,6 @@ class IncrementalPotential {
   void add_springs(const Body& body);
   void add_damping();
   void join_terms();
-  double weight_with_colour(const OffsetTerm& term, int i, std::span<const Index> colours) const;
   void renew_pattern(BlockMatrix& matrix);
   void add_cloth_row(Index v, BlockMatrix& matrix, Eigen::Vector3d& sum) const;
   template <typename Visit>

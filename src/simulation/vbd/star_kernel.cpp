@@ -1,26 +1,17 @@
 #include "simulation/vbd/star_kernel.h"
 
-#include "core/simd/simd_double.h"
-#include "core/simd/vec3.h"
+#include "simulation/vbd/star_lanes.h"
 
 namespace selvage {
 inline namespace SELVAGE_ISA {
 
 namespace {
 
-using Wide3 = LaneVec3<WideDouble>;
-
-SELVAGE_INLINE Wide3 load_points(const double* rows, const Index* offsets) {
-  WideDouble columns[4];
-  load_rows(rows, offsets, columns);
-  return {{columns[0], columns[1], columns[2]}};
-}
-
 /// Sums over the batches in a part of their places. Each place has a sum of its own, so that registers of any width add
 /// the same numbers in the same order.
 SELVAGE_INLINE void add_places(const StarTask& task, Index star, int lane, double (&places)[9][kStarBatch]) {
   const double* own = task.rows + task.own_rows[star];
-  const Wide3 p = {{WideDouble::broadcast(own[0]), WideDouble::broadcast(own[1]), WideDouble::broadcast(own[2])}};
+  const Wide3 p = broadcast_point(own);
   const WideDouble zero = WideDouble::broadcast(0), one = WideDouble::broadcast(1);
   Wide3 gradient = {{zero, zero, zero}}, squares = gradient, products = gradient;
   for (std::int64_t n = task.first_batches[star]; n < task.first_batches[star + 1]; ++n) {
@@ -45,10 +36,6 @@ SELVAGE_INLINE void add_places(const StarTask& task, Index star, int lane, doubl
     squares[i].store(places[3 + i] + lane);
     products[i].store(places[6 + i] + lane);
   }
-}
-
-SELVAGE_INLINE double sum_of(const double (&x)[kStarBatch]) {
-  return ((x[0] + x[1]) + (x[2] + x[3])) + ((x[4] + x[5]) + (x[6] + x[7]));
 }
 
 }  // namespace

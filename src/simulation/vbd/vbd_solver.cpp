@@ -35,7 +35,7 @@ struct VbdSolver::Parts {
       : options(o),
         implicit(model, initial, std::move(handles), colliders, options),
         colours(colour_vertices(model)),
-        stars(model, colours) {
+        stars(model, colours, implicit.potential().cloth()) {
     check_option(options.iterations > 0, "iterations", options.iterations, "of at least 1");
     check_option(options.residual >= 0, "residual", options.residual, "that is not negative");
     moved.resize(colours.vertices.size());
@@ -61,33 +61,30 @@ struct VbdSolver::Parts {
   /// Finds where the vertices at some places of the order of colours move.
   void move(const IncrementalPotential& potential, std::span<const Vec3> x, Index first, Index last) {
     StarSums sums[kSumsAtOnce];
+    VertexStars::Derivatives derivatives;
     stars.sum(first, last, sums);
     for (Index i = first; i < last; ++i) {
       const Index v = colours.vertices[i];
       moved[i] = x[v];
       if (!potential.is_free(v)) continue;
-      VertexDerivatives quadratic;
-      const VertexDerivatives own = stars.derivatives(potential, x, i, sums[i - first], quadratic);
-      const Eigen::Vector3d step = own.hessian.llt().solve(own.gradient);
-      if (step.allFinite()) moved[i] -= find_share(potential, x, v, quadratic, step) * step;
+      stars.differentiate(potential, x, i, sums[i - first], derivatives);
+      const Vec3 step = derivatives.all.hessian.llt().solve(derivatives.all.gradient);
+      if (step.allFinite()) moved[i] -= find_share(x, i, derivatives, step) * step;
     }
   }
 
   /// The part of a vertex's step, which goes against `step`, with which the energy falls: cloth that is pressed is not
   /// convex in a vertex, and a contact may begin on the way.
-  double find_share(const IncrementalPotential& potential, std::span<const Vec3> x, Index v,
-                    const VertexDerivatives& quadratic, const Vec3& step) const {
-    const bool has_cloth = !potential.cloth().terms_of(v).empty();
-    if (!has_cloth && potential.terms_of(v).empty()) return 1;
-    const auto energy_at = [&](const Vec3& at) {
-      const double cloth = has_cloth ? potential.cloth().energy_by_vertex(x, v, at) : 0;
-      return cloth + potential.terms_energy_by_vertex(x, v, colours.of_vertex, at);
-    };
-    const double before = energy_at(x[v]), slope = quadratic.gradient.dot(step),
+  double find_share(std::span<const Vec3> x, Index i, const VertexStars::Derivatives& derivatives,
+                    const Vec3& step) const {
+    if (stars.cloth().is_empty(i) && derivatives.contacts.empty()) return 1;
+    const VertexDerivatives& quadratic = derivatives.quadratic;
+    const double before = derivatives.energy(), slope = quadratic.gradient.dot(step),
                  curvature = step.dot(quadratic.hessian * step);
     double share = 1;
-    for (int i = 0; i < kHalvings; ++i, share /= 2) {
-      const double change = energy_at(x[v] - share * step) - before - share * slope + share * share / 2 * curvature;
+    for (int k = 0; k < kHalvings; ++k, share /= 2) {
+      const double change =
+          stars.energy(x, i, -share * step, derivatives) - before - share * slope + share * share / 2 * curvature;
       if (change <= kEnergyRounding * before) break;
     }
     return share;
@@ -96,6 +93,8 @@ struct VbdSolver::Parts {
   void minimize(IncrementalPotential& potential, bool is_guess, std::vector<Vec3>& x) {
     StepStatistics& statistics = implicit.statistics();
     stars.place(x);
+    if (is_guess) stars.begin();
+    stars.renew_contacts(potential);
     for (int iteration = 0; iteration < options.iterations; ++iteration) {
       potential.renew_friction(x, is_guess && iteration == 0);
       sweep(potential, x);

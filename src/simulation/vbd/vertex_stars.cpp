@@ -11,6 +11,12 @@ namespace {
 /// Even permutations of a tetrahedron's vertices that begin with each: its orientation stays.
 constexpr int kFrom[4][4] = {{0, 1, 2, 3}, {1, 0, 3, 2}, {2, 0, 1, 3}, {3, 0, 2, 1}};
 
+std::vector<Index> own_rows_of(const VertexColours& colours) {
+  std::vector<Index> rows;
+  for (const Index v : colours.vertices) rows.push_back(kStarRow * v);
+  return rows;
+}
+
 std::vector<const Material*> materials_of(const Model& model) {
   std::vector<const Material*> materials(model.mesh.element_count(), nullptr);
   for (const Body& body : model.bodies)
@@ -21,13 +27,16 @@ std::vector<const Material*> materials_of(const Model& model) {
 
 }  // namespace
 
-VertexStars::VertexStars(const Model& model, const VertexColours& colours)
-    : colours_(colours), rows_(kStarRow * static_cast<std::size_t>(model.mesh.vertex_count()), 0.0) {
+VertexStars::VertexStars(const Model& model, const VertexColours& colours, const ClothTerms& cloth)
+    : colours_(colours),
+      rows_(kStarRow * static_cast<std::size_t>(model.mesh.vertex_count()), 0.0),
+      own_rows_(own_rows_of(colours)),
+      cloth_(cloth, colours, rows_.data(), own_rows_.data()),
+      contacts_(colours) {
   const std::vector<const Material*> materials = materials_of(model);
   first_batches_.push_back(0);
   first_others_.push_back(0);
   for (const Index v : colours.vertices) {
-    own_rows_.push_back(kStarRow * v);
     isotropic_.push_back(0);
     std::vector<Index> batched;
     for (const Index e : model.mesh.vertex_elements(v)) (materials[e] != nullptr ? batched : others_).push_back(e);
@@ -75,10 +84,11 @@ void VertexStars::sum_best(const StarTask& task, Index first, Index last, StarSu
   SELVAGE_DISPATCH(sum_stars, task, first, last, sums);
 }
 
-VertexDerivatives VertexStars::derivatives(const IncrementalPotential& potential, std::span<const Vec3> x, Index i,
-                                           const StarSums& sums, VertexDerivatives& quadratic) const {
+void VertexStars::differentiate(const IncrementalPotential& potential, std::span<const Vec3> x, Index i,
+                                const StarSums& sums, Derivatives& derivatives) const {
   const Index v = colours_.vertices[i];
-  VertexDerivatives sum = potential.inertia_by_vertex(x, v);
+  VertexDerivatives& sum = derivatives.all;
+  sum = potential.inertia_by_vertex(x, v);
   sum.gradient += Eigen::Map<const Eigen::Vector3d>(sums.gradient);
   const auto& [xx, yy, zz, xy, xz, yz] = sums.hessian;
   Eigen::Matrix3d hessian;
@@ -86,10 +96,13 @@ VertexDerivatives VertexStars::derivatives(const IncrementalPotential& potential
   sum.hessian += hessian;
   for (std::int64_t n = first_others_[i]; n < first_others_[i + 1]; ++n)
     potential.add_element_by_vertex(x, others_[n], v, sum);
-  quadratic = sum;
-  potential.cloth().add_by_vertex(x, v, sum);
-  potential.add_terms_by_vertex(x, v, colours_.of_vertex, sum);
-  return sum;
+  derivatives.quadratic = sum;
+  derivatives.cloth_energy = cloth_.add(x, i, sum, derivatives.quadratic);
+  contacts_.add(x, i, sum, derivatives.contacts);
+}
+
+double VertexStars::energy(std::span<const Vec3> x, Index i, const Vec3& move, const Derivatives& derivatives) const {
+  return cloth_.energy(x, i, x[colours_.vertices[i]] + move) + VertexContacts::energy(derivatives.contacts, move);
 }
 
 }  // namespace selvage

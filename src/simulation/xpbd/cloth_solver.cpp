@@ -134,7 +134,10 @@ ClothSolver::Coloured<Item> ClothSolver::Coloured<Item>::of(std::span<const Piec
 ClothSolver::ClothSolver(const Model& model, double time_step) : squared_step_(time_step * time_step) {
   for (const Body& body : model.bodies) {
     const ClothMaterial& m = body.cloth;
-    Sheet sheet{m.kind, {}, std::min(m.damping / time_step, kLongestDamping)};
+    Sheet sheet{m.kind,
+                {},
+                std::min(m.damping / time_step, kLongestDamping),
+                std::min(m.bending_damping.value_or(m.damping) / time_step, kLongestDamping)};
     if (m.kind == ClothKind::kIsotropic) {
       const double mu = m.stiffness / (2 * (1 + m.poisson_ratio));
       const double lambda = m.stiffness * m.poisson_ratio / (1 - m.poisson_ratio * m.poisson_ratio);
@@ -153,8 +156,9 @@ ClothSolver::ClothSolver(const Model& model, double time_step) : squared_step_(t
 }
 
 bool ClothSolver::needs_start() const {
-  return !triangles_.items.empty() &&
-         std::any_of(sheets_.begin(), sheets_.end(), [](const Sheet& sheet) { return sheet.damping > 0; });
+  return !triangles_.items.empty() && std::any_of(sheets_.begin(), sheets_.end(), [](const Sheet& sheet) {
+    return sheet.damping > 0 || sheet.bending_damping > 0;
+  });
 }
 
 void ClothSolver::solve_triangle(Triangle& triangle, std::span<StepVertex> vertices,
@@ -192,7 +196,7 @@ void ClothSolver::solve_triangle(Triangle& triangle, std::span<StepVertex> verti
 }
 
 void ClothSolver::solve_hinge(Hinge& hinge, std::span<StepVertex> vertices, std::span<const StepVertex> start) const {
-  const double damping = sheets_[hinge.piece.body].damping;
+  const double damping = sheets_[hinge.piece.body].bending_damping;
   Constraint<4> constraint(hinge.piece.vertices, vertices, start, damping > 0);
   if (!constraint.can_move()) return;
   if (hinge.piece.is_flat) {

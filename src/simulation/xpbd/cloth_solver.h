@@ -31,7 +31,7 @@ class ClothSolver {
   struct Sheet {
     ClothKind kind;
     std::array<double, 3> compliances;  ///< of the constraints of a triangle, times its area
-    double damping;                     ///< over the time step
+    double damping, bending_damping;    ///< over the time step
   };
   struct Triangle {
     ClothTriangle piece;

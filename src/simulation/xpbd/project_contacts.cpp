@@ -65,8 +65,9 @@ class ContactSides {
   double mobility_ = 0;
 };
 
+/// By DCD: what was on the wrong side is sent out.
 bool is_path(ContactKind kind) {
-  return kind == ContactKind::kVertexPath || kind == ContactKind::kEdgePath || kind == ContactKind::kCentroidPath;
+  return kind != ContactKind::kVertexFace && kind != ContactKind::kEdgeEdge;
 }
 
 /// As offset_of(), here so that it is inlined.
@@ -96,6 +97,7 @@ void project_contact(const Contact& contact, const Step& step, std::span<const d
   double max_correction = max_corrections[contact.vertices[0]];
   for (int i = 1; i < contact.count; ++i)
     max_correction = std::min(max_correction, max_corrections[contact.vertices[i]]);
+  if (contact.kind == ContactKind::kContour) depth += contact.distance;
   if (is_path(contact.kind)) {
     depth = std::min(depth, max_correction);
   } else {
