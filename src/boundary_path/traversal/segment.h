@@ -218,6 +218,19 @@ class Segment {
     return last < forward_ * end_ - (candidate_.offset_error + 4 * kUnitRoundoff * reach) - kTrustAbove;
   }
 
+  /// The same as within_reach() where it is certain on the coordinates of the face's vertices.
+  bool is_clearly_within_reach(const RaySpaceVertex (&face)[D]) const {
+    const double end = std::abs(end_);
+    double first = 0, last = 0, reach = end;
+    for (int i = 0; i < D; ++i) {
+      first = std::min(first, forward_ * face[i].along);
+      last = std::max(last, forward_ * face[i].along);
+      reach = std::max(reach, std::abs(face[i].along));
+    }
+    const double error = 4 * (candidate_.offset_error + 4 * kUnitRoundoff * reach) + kTrustAbove;
+    return first > error - end && last < 3 * end - error;
+  }
+
   /// Whether the line crosses the face, which it passes through properly, no farther than 2 |p - s| from s. Exact.
   bool within_reach(const Crossing& c, const RaySpaceVertex (&face)[D]) const {
     double reach = std::abs(end_);

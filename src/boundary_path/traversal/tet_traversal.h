@@ -81,8 +81,10 @@ class TetTraversal {
 
   KernelVector<Index> elements_at_point() const;
   bool face_holds_point(Index element, int face) const;
-  bool find_sides(const Segment<D>& segment, const RaySpaceVertex (&corners)[D], bool& in_plane) const;
-  bool line_passes(const Segment<D>& segment, Index element, int face, const RaySpaceVertex (&vertices)[D + 1]) const;
+  enum class Passing : std::uint8_t { kNot, kTouching, kProper };
+  Passing line_passes(const Segment<D>& segment, Index element, int face, ExitFace& exit_face) const;
+  bool follow_line(const Segment<D>& segment, const KernelVector<Index>& goals, ExitFace exit_face,
+                   KernelVector<HalfFace>& pending) const;
   bool is_at_corner(Index element, const Candidate<D>& candidate) const;
   bool contains_target(Index element, const Candidate<D>& candidate) const;
   bool select_first_exit_face(const Segment<D>& segment, ExitFace& exit_face) const;
@@ -333,48 +335,68 @@ bool TetTraversal<D>::face_holds_point(Index element, int face) const {
   return true;
 }
 
-/// The sides of a face's edges (3D) or vertices (2D) as the line sees them, exactly: all of them 0 where it lies in the
-/// face's plane. False as soon as two that are clear say that the line passes beside the face.
+/// How the whole line through p and s, no farther from s than its reach, meets a face. Where it passes through
+/// properly, `exit_face` is that face.
 template <int D>
-bool TetTraversal<D>::find_sides(const Segment<D>& segment, const RaySpaceVertex (&corners)[D], bool& in_plane) const {
-  int sides[D], positive = 0, negative = 0;
-  const auto side = [&](int i, auto&& ask) {
-    if constexpr (D == 3)
-      return ask(corners[i], corners[(i + 1) % D]);
-    else
-      return ask(corners[i]);
-  };
-  const auto count = [&] {
+typename TetTraversal<D>::Passing TetTraversal<D>::line_passes(const Segment<D>& segment, Index element, int face,
+                                                               ExitFace& exit_face) const {
+  const auto ids = SimplexMesh<D>::face_of(input_.elements[element].vertices, face);
+  RaySpaceVertex(&corners)[D] = exit_face.corners;
+  for (int i = 0; i < D; ++i) corners[i] = segment.to_ray_space(ids[i]);
+  int positive = 0, negative = 0;
+  const auto is_beside = [&] { return D == 3 ? positive > 0 && negative > 0 : positive == D || negative == D; };
+  for (const bool exactly : {false, true}) {
     positive = negative = 0;
     for (int i = 0; i < D; ++i) {
-      positive += sides[i] > 0;
-      negative += sides[i] < 0;
+      int side;
+      if constexpr (D == 3)
+        side = exactly ? segment.side(corners[i], corners[(i + 1) % D])
+                       : segment.clear_side(corners[i], corners[(i + 1) % D]);
+      else
+        side = exactly ? segment.side(corners[i]) : segment.clear_side(corners[i]);
+      positive += side > 0;
+      negative += side < 0;
     }
-    return D == 3 ? positive == 0 || negative == 0 : positive < D && negative < D;
-  };
-  for (int i = 0; i < D; ++i) sides[i] = side(i, [&](const auto&... of) { return segment.clear_side(of...); });
-  if (!count()) return false;
-  for (int i = 0; i < D; ++i)
-    if (sides[i] == 0) sides[i] = side(i, [&](const auto&... of) { return segment.side(of...); });
-  const bool through = count();
-  in_plane = positive + negative == 0;
-  return through;
+    if (is_beside()) return Passing::kNot;
+    if (positive + negative == D) break;
+  }
+  if (positive + negative == 0) {  // the line lies in the plane of the face
+    segment.count_exact();
+    return segment.exact().touches_within_reach(face_points(element, face)) ? Passing::kTouching : Passing::kNot;
+  }
+  if (!segment.within_reach(segment.crossing(corners), corners)) return Passing::kNot;
+  if (positive + negative < D) return Passing::kTouching;
+  bool is_turned = negative > 0;  // listed so that its normal points along the line
+  if constexpr (D == 2) is_turned = segment.side(corners[0]) > 0;
+  if (is_turned) std::swap(corners[0], corners[1]);
+  exit_face.element = element;
+  exit_face.face = face;
+  return Passing::kProper;
 }
 
-/// Whether the whole line through p and s meets a face, not too far from s.
+/// Follows the line from a face that it passes through properly to the next one, which there is only one of, and so on.
+/// True when it comes to an element in `goals`. Where it meets an edge or a vertex the rest is left to the search.
 template <int D>
-bool TetTraversal<D>::line_passes(const Segment<D>& segment, Index element, int face,
-                                  const RaySpaceVertex (&vertices)[D + 1]) const {
-  VertexTuple<D + 1> all;
-  for (int i = 0; i <= D; ++i) all[i] = i;
-  const auto of_face = SimplexMesh<D>::face_of(all, face);
-  RaySpaceVertex corners[D];
-  for (int i = 0; i < D; ++i) corners[i] = vertices[of_face[i]];
-  bool in_plane;
-  if (!find_sides(segment, corners, in_plane)) return false;
-  if (!in_plane) return segment.within_reach(segment.crossing(corners), corners);
-  segment.count_exact();
-  return segment.exact().touches_within_reach(face_points(element, face));
+bool TetTraversal<D>::follow_line(const Segment<D>& segment, const KernelVector<Index>& goals, ExitFace exit_face,
+                                  KernelVector<HalfFace>& pending) const {
+  const Index start = exit_face.element;
+  for (;;) {
+    const Index next = input_.elements[exit_face.element].neighbours[exit_face.face];
+    if (next < 0 || HalfFace{next}.element() == start) return false;
+    if (contains(goals, HalfFace{next}.element())) {
+      count_element();
+      return true;
+    }
+    prefetch_beyond(HalfFace{next}.element());
+    if (!select_exit_face(segment, next, exit_face)) {
+      pending.push_back(HalfFace{next});
+      return false;
+    }
+    count_element();
+    if (!segment.is_clearly_within_reach(exit_face.corners) &&
+        !segment.within_reach(segment.crossing(exit_face.corners), exit_face.corners))
+      return false;
+  }
 }
 
 template <int D>
@@ -385,18 +407,19 @@ bool TetTraversal<D>::follow_backwards(const Candidate<D>& candidate) const {
   const KernelVector<Index> goals = elements_at_point();
   VisitedElements visited;
   KernelVector<HalfFace> pending{input_.boundary_owners[candidate.face]};
+  ExitFace exit_face;
   while (!pending.empty()) {
     const HalfFace entry = pending.back();
     pending.pop_back();
     if (!visited.insert(entry.element())) continue;
     count_element();
     if (contains(goals, entry.element())) return true;
-    RaySpaceVertex vertices[D + 1];
-    for (int i = 0; i <= D; ++i) vertices[i] = segment.to_ray_space(input_.elements[entry.element()].vertices[i]);
     for (int i = 0; i <= D; ++i) {
       const Index next = input_.elements[entry.element()].neighbours[i];
-      if (i == entry.face() || next < 0 || visited.contains(HalfFace{next}.element())) continue;
-      if (line_passes(segment, entry.element(), i, vertices)) pending.push_back(HalfFace{next});
+      if (i == entry.face() || next < 0) continue;
+      const Passing passing = line_passes(segment, entry.element(), i, exit_face);
+      if (passing == Passing::kTouching) pending.push_back(HalfFace{next});
+      if (passing == Passing::kProper && follow_line(segment, goals, exit_face, pending)) return true;
     }
   }
   return false;
