@@ -56,6 +56,10 @@ test-python: python
 wheel: python
 	python/make-wheel $(VENV) build/wheels
 
+## try-wheel   the wheel in build/wheels in a bare Debian 12; as root, needs debootstrap and the internet, so not in CI
+try-wheel:
+	python/try-wheel $$(ls -t build/wheels/*.whl | head -n 1)
+
 ## test-long   the same tests with 50 times as many random cases: hours
 test-long: build-tests
 	SELVAGE_TEST_SCALE=$(LONG_SCALE) $(CTEST) --preset release --timeout 36000 --verbose
@@ -159,5 +163,5 @@ clean:
 help:
 	@sed -n 's/^## /make /p' $(MAKEFILE_LIST)
 
-.PHONY: demo cli test python test-python wheel test-long test-viewer build-tests sanitize sanitize-memory sanitize-threads fuzz bench check-benchmarks docs docs-links \
+.PHONY: demo cli test python test-python wheel try-wheel test-long test-viewer build-tests sanitize sanitize-memory sanitize-threads fuzz bench check-benchmarks docs docs-links \
         format check-format lint install clean help
