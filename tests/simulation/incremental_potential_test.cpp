@@ -115,7 +115,7 @@ TEST(Minimize, ConvergesQuadraticallyNearTheSolution) {
   std::vector<double> residuals;
   for (int steps = 1; steps < 12 && (residuals.empty() || residuals.back() > 1e-14); ++steps) {
     std::vector<Vec3> x = targets;
-    minimize(potential, system, {.steps = steps, .least_move = 0, .near_move = 0.01}, false, matrix, x);
+    minimize(potential, system, {.steps = steps, .least_move = 0, .near_move = 0.01}, matrix, x);
     residuals.push_back(residual_of(potential, x));
   }
   EXPECT_LT(residuals.back(), 1e-13);

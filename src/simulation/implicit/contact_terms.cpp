@@ -3,6 +3,7 @@
 #include "simulation/colliders/passage.h"
 
 #include <algorithm>
+#include <tuple>
 
 namespace selvage {
 
@@ -19,6 +20,10 @@ double stiffness_of(const OffsetTerm& term, const IncrementalPotential& potentia
   return compliance > 0 ? 1 / compliance : 0;
 }
 
+bool is_by_ccd(const Contact& contact) {
+  return contact.kind == ContactKind::kVertexFace || contact.kind == ContactKind::kEdgeEdge;
+}
+
 /// A point that is at rest on the surface, as near as friction in a step holds it, sticks; another slips.
 /// @param drift  of the point by the velocities at the start of the step, relative to the surface [m]
 double coefficient_of(const Friction& friction, const OffsetTerm& term, const Vec3& drift) {
@@ -26,12 +31,28 @@ double coefficient_of(const Friction& friction, const OffsetTerm& term, const Ve
   return slide <= 2 * term.slip ? friction.static_coefficient : friction.dynamic_coefficient;
 }
 
+/// For each contact whether it is the last of its two features: what is found again, on a later way, counts as found
+/// there. Ways out are found once.
+std::vector<std::uint8_t> mark_last_of_each(std::span<const Contact> contacts) {
+  std::vector<std::uint8_t> is_last(contacts.size(), 1);
+  std::vector<std::size_t> order;
+  for (std::size_t c = 0; c < contacts.size(); ++c)
+    if (is_by_ccd(contacts[c])) order.push_back(c);
+  const auto features = [&](std::size_t c) { return std::tie(contacts[c].kind, contacts[c].vertices); };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return features(a) < features(b); });
+  for (std::size_t i = 0; i + 1 < order.size(); ++i) is_last[order[i]] = features(order[i]) != features(order[i + 1]);
+  return is_last;
+}
+
 }  // namespace
 
 void append_contact_terms(TimeStep& time_step, const IncrementalPotential& potential, std::vector<OffsetTerm>& terms) {
   const Step& step = time_step.step();
   const auto max_corrections = time_step.max_corrections();
-  for (const Contact& contact : time_step.contacts()) {
+  const std::vector<std::uint8_t> is_last = mark_last_of_each(time_step.contacts());
+  for (std::size_t c = 0; c < is_last.size(); ++c) {
+    if (is_last[c] == 0) continue;
+    const Contact& contact = time_step.contacts()[c];
     OffsetTerm term;
     double most = max_corrections[contact.vertices[0]];
     for (int i = 0; i < contact.count; ++i) {
@@ -49,9 +70,9 @@ void append_contact_terms(TimeStep& time_step, const IncrementalPotential& poten
     if (!(term.stiffness > 0)) continue;
     term.start = offset_of(contact, step.positions);
     const double gap = term.normal.dot(term.start);
-    const bool by_ccd = contact.kind == ContactKind::kVertexFace || contact.kind == ContactKind::kEdgeEdge;
-    term.target = by_ccd ? std::clamp(gap, 0.0, std::max(kContactGap * most, contact.distance))
-                         : std::min(gap + most, contact.kind == ContactKind::kContour ? contact.distance : 0.0);
+    term.target = is_by_ccd(contact)
+                      ? std::clamp(gap, 0.0, std::max(kContactGap * most, contact.distance))
+                      : std::min(gap + most, contact.kind == ContactKind::kContour ? contact.distance : 0.0);
     term.slip = kSlip * most;
     term.coefficient =
         coefficient_of(time_step.friction_of(contact), term, step.length() * offset_of(contact, step.velocities));

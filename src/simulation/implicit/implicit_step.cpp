@@ -52,7 +52,7 @@ void ImplicitStep::guess(const State& state) {
   if (potential_.energy(start) < potential_.energy(x_)) x_ = std::move(start);
 }
 
-/// Takes over all contacts, and colliders that vertices have run into. False: no collider is new.
+/// Takes over all contacts, and colliders that vertices have run into. False: none is new, and all stay as they are.
 bool ImplicitStep::renew_terms() {
   std::vector<OffsetTerm> found;
   append_collider_terms(time_step_, x_, potential_, found);
@@ -62,8 +62,10 @@ bool ImplicitStep::renew_terms() {
   std::vector<OffsetTerm> terms;
   append_contact_terms(time_step_, potential_, terms);
   terms.insert(terms.end(), collider_terms_.begin(), collider_terms_.end());
-  potential_.set_contacts(std::move(terms));
-  return !found.empty();
+  // What penalties hold gives way a little, and is found to meet again.
+  const bool is_new = terms.size() > potential_.contact_count();
+  if (is_new || terms.empty()) potential_.set_contacts(std::move(terms));
+  return is_new;
 }
 
 void ImplicitStep::place() {
@@ -98,13 +100,13 @@ void ImplicitStep::step(State& state, std::span<const Vec3> external_forces, con
     renew_terms();
   });
   for (int round = 0; round < kSolveRounds; ++round) {
-    timed(statistics().seconds_material, [&] { minimize(potential_, round == 0, x_); });
+    timed(statistics().seconds_material, [&] { minimize(potential_, x_); });
     place();
     if (round + 1 == kSolveRounds) break;
-    const bool missed = time_step_.find_missed_contacts();
-    bool new_colliders = false;
-    timed(statistics().seconds_material, [&] { new_colliders = renew_terms(); });
-    if (!missed && !new_colliders) break;
+    time_step_.find_missed_contacts();
+    bool is_new = false;
+    timed(statistics().seconds_material, [&] { is_new = renew_terms(); });
+    if (!is_new) break;
   }
   project();
   for (int round = 0; round < kProjectionRounds && time_step_.find_missed_contacts(); ++round) project();

@@ -35,7 +35,7 @@ class IncrementalPotential {
   void set_contacts(std::vector<OffsetTerm> contacts);
 
   /// Lets friction follow from the normal forces at x.
-  /// @param first  whether x is a guess: normal forces are then at most what stops the vertices
+  /// @param first  whether contacts are new: normal forces are then at most what stops the vertices, however deep x is
   void renew_friction(std::span<const Vec3> x, bool first);
 
   double energy(std::span<const Vec3> x) const;
@@ -65,6 +65,7 @@ class IncrementalPotential {
   double stiffness(Index v) const;
   Index vertex_count() const { return model_.mesh.vertex_count(); }
   std::span<const OffsetTerm> terms() const { return terms_; }
+  std::size_t contact_count() const { return terms_.size() - fixed_terms_; }
   std::span<const Index> terms_of(Index v) const {
     return std::span(term_of_vertex_).subspan(term_first_[v], term_first_[v + 1] - term_first_[v]);
   }

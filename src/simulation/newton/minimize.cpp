@@ -42,7 +42,7 @@ double search(const IncrementalPotential& potential, std::span<const Vec3> x, co
 }  // namespace
 
 NewtonReport minimize(IncrementalPotential& potential, LinearSystem& system, const NewtonLimits& limits,
-                      bool first_is_guess, BlockMatrix& matrix, std::vector<Vec3>& x) {
+                      BlockMatrix& matrix, std::vector<Vec3>& x) {
   NewtonReport report;
   Eigen::VectorXd gradient, step;
   std::vector<Vec3> next(x.size());
@@ -54,7 +54,7 @@ NewtonReport minimize(IncrementalPotential& potential, LinearSystem& system, con
   };
   bool is_near = false;
   while (report.steps < limits.steps && !report.is_done) {
-    if (report.steps < kFrictionSteps) potential.renew_friction(x, first_is_guess && report.steps == 0);
+    if (report.steps < kFrictionSteps) potential.renew_friction(x, report.steps == 0);
     if (!(is_near && solve(true)) && !solve(false)) {
       report.is_done = gradient.isZero(0);
       break;

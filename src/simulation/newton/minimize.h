@@ -24,8 +24,8 @@ struct NewtonReport {
 /// The line search halves a step until the energy falls by 1/10,000 of what its slope promises (Armijo). Where the
 /// promise drowns in the rounding of the energy, the step is taken as it is.
 ///
-/// @param first_is_guess  see IncrementalPotential::renew_friction()
+/// Contacts are taken as new: see IncrementalPotential::renew_friction().
 NewtonReport minimize(IncrementalPotential& potential, LinearSystem& system, const NewtonLimits& limits,
-                      bool first_is_guess, BlockMatrix& matrix, std::vector<Vec3>& x);
+                      BlockMatrix& matrix, std::vector<Vec3>& x);
 
 }  // namespace selvage

@@ -90,13 +90,13 @@ struct VbdSolver::Parts {
     return share;
   }
 
-  void minimize(IncrementalPotential& potential, bool is_guess, std::vector<Vec3>& x) {
+  void minimize(IncrementalPotential& potential, std::vector<Vec3>& x) {
     StepStatistics& statistics = implicit.statistics();
     stars.place(x);
     if (is_guess) stars.begin();
     stars.renew_contacts(potential);
     for (int iteration = 0; iteration < options.iterations; ++iteration) {
-      potential.renew_friction(x, is_guess && iteration == 0);
+      potential.renew_friction(x, iteration == 0);
       sweep(potential, x);
       ++statistics.newton_steps;
       if (options.residual > 0 && residual_of(potential, x) <= options.residual) break;
@@ -105,9 +105,8 @@ struct VbdSolver::Parts {
   }
 
   void step(State& state, std::span<const Vec3> external_forces) {
-    implicit.step(state, external_forces, [&](IncrementalPotential& potential, bool is_guess, std::vector<Vec3>& x) {
-      minimize(potential, is_guess, x);
-    });
+    implicit.step(state, external_forces,
+                  [&](IncrementalPotential& potential, std::vector<Vec3>& x) { minimize(potential, x); });
   }
 };
 
