@@ -70,7 +70,7 @@ void bench_boundary_path(const Arguments& arguments) {
 }
 
 struct CollisionArguments {
-  std::vector<std::string> sequences, methods;
+  std::vector<std::string> sequences, runs, methods;
   int frames = 24;
   std::int64_t triangles = 0;
   bool without_peers = false, without_steps = false, without_growth = false;
@@ -87,14 +87,15 @@ void bench_self_collision(const Arguments& arguments, const CollisionArguments& 
                   isa_name(active_isa())));
   for (const std::string& path : arguments.meshes)
     measure_self_collision({std::filesystem::path(path).stem().string(), read_mesh(path), 6}, plan, report);
+  for (const std::string& folder : collision.runs)
+    measure_self_collision(CollisionSubject(std::filesystem::path(folder), frames), plan, report);
   const auto& wanted = collision.sequences;
+  const bool has_own = !arguments.meshes.empty() || !collision.runs.empty();
   for (const std::string_view name : sequence_names()) {
-    if (wanted.empty() ? !arguments.meshes.empty() : std::find(wanted.begin(), wanted.end(), name) == wanted.end())
-      continue;
+    if (wanted.empty() ? has_own : std::find(wanted.begin(), wanted.end(), name) == wanted.end()) continue;
     measure_self_collision({name, arguments.quick ? 10'000 : collision.triangles, frames}, plan, report);
   }
-  if (wanted.empty() && arguments.meshes.empty() && !arguments.quick)
-    measure_self_collision({"crumple", 1'000'000, 4}, plan, report);
+  if (wanted.empty() && !has_own && !arguments.quick) measure_self_collision({"crumple", 1'000'000, 4}, plan, report);
   report.print_tables();
   if (!collision.without_growth) {
     std::vector<std::int64_t> sizes{16'000, 64'000, 250'000, 1'000'000};
@@ -132,6 +133,8 @@ int main(int argc, char** argv) try {
   collisions->footer("Example: selvage_bench self-collision --quick --sequence pipe --json result.json");
   collisions->add_option("--mesh", arguments.meshes, "Meshes instead of the sequences made by formula")
       ->check(CLI::ExistingFile);
+  collisions->add_option("--run", collision.runs, "Frames of simulated runs instead: their folders")
+      ->check(CLI::ExistingDirectory);
   collisions->add_option("--sequence", collision.sequences,
                          fmt::format("Only these: {}", fmt::join(sequence_names(), ", ")));
   collisions->add_option("--triangles", collision.triangles, "About how many each; 0: as many as it has")

@@ -26,8 +26,8 @@ FPS, SUBSTEPS, ITERATIONS, ACROSS = 60, 10, 4, 50
 RADIANS_PER_SECOND = math.pi / 3
 # A sheet of newton's tri_ke = tri_ka = 1e3, which are Lame's constants, as a Young's modulus by a thickness. Its edge_ke
 # times the length of an edge is the stiffness of a hinge: on these triangles, on average, that of a sheet of 6e-6 J. Its
-# damping of stretches is tri_kd = 2e-4 Ns/m; that of bends is left out here.
-STIFFNESS, POISSON_RATIO, BENDING, DAMPING = 2000 * 4 / 3, 1 / 3, 6e-6, 4e-7
+# damping of stretches is tri_kd = 2e-4 Ns/m; that of bends is edge_kd = 1e-2, ten seconds times edge_ke.
+STIFFNESS, POISSON_RATIO, BENDING, DAMPING, BENDING_DAMPING = 2000 * 4 / 3, 1 / 3, 6e-6, 4e-7, 10
 DENSITY, THICKNESS, FRICTION = 0.2, 0.002, 0.2
 
 
@@ -44,6 +44,17 @@ class Frame:
 def cpu_seconds() -> float:
     """User time of this process, all threads."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_utime
+
+
+def edges_of(F: np.ndarray) -> np.ndarray:
+    """Of triangles, each once."""
+    return np.unique(np.sort(F[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
+
+
+def strains(V: np.ndarray, rest: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """Change of each edge's length by its length at rest, without sign."""
+    now, before = (np.linalg.norm(X[edges[:, 0]] - X[edges[:, 1]], axis=1) for X in (V, rest))
+    return np.abs(now / before - 1)
 
 
 def read_sheet() -> tuple[np.ndarray, np.ndarray]:
@@ -163,6 +174,7 @@ def scene_of(path: Path, solver: str, seconds: float) -> dict:
                     "bending": BENDING,
                     "thickness": THICKNESS,
                     "damping": DAMPING,
+                    "bending_damping": BENDING_DAMPING,
                 },
                 "handles": [end(-1), end(1)],
             }
@@ -208,6 +220,7 @@ def main() -> None:
     warp.init()
     warp.set_device("cpu")
     V, F = read_sheet()
+    edges = edges_of(F)
     print(f"Python {platform.python_version()}, {platform.processor() or platform.machine()}, {os.cpu_count()} cores")
     print(f"selvage {selvage.__version__}, newton {newton.__version__}, warp {warp.__version__}")
     print(f"{len(V)} vertices, {len(F)} triangles, {SUBSTEPS} substeps; one thread")
@@ -217,10 +230,12 @@ def main() -> None:
     for solver in arguments.solvers:
         runs[f"selvage {solver}"] = lambda s=solver: run_selvage(V, F, frames, s)
     for name, run in runs.items():
-        print(f"\n| {name}, frame | user CPU [s/frame] | wall [s/frame] | pairs that cross |\n| --- | --- | --- | --- |")
+        print(f"\n| {name}, frame | user CPU [s/frame] | wall [s/frame] | pairs that cross | strain: mean, most |")
+        print("| --- | --- | --- | --- | --- |")
         for frame in run():
-            pairs = len(selvage.self_collisions(frame.V, F))
-            print(f"| {frame.number} | {frame.cpu:.3f} | {frame.wall:.3f} | {pairs} |", flush=True)
+            pairs, strain = len(selvage.self_collisions(frame.V, F)), strains(frame.V, V, edges)
+            cost = f"{frame.cpu:.3f} | {frame.wall:.3f}"
+            print(f"| {frame.number} | {cost} | {pairs} | {strain.mean():.2%}, {strain.max():.1%} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 #include "selvage/io/mesh_file.h"
 #include "selvage/mesh/triangle_mesh.h"
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -15,6 +16,10 @@ class CollisionSubject {
   /// @param triangles  about how many; 0: the sequence's own number
   /// @param frames     at least 2
   CollisionSubject(std::string_view sequence, std::int64_t triangles, int frames);
+
+  /// The last frames of a simulated run, with all of its surface.
+  /// @throws Error  when the folder holds no run of at least two frames with a surface
+  CollisionSubject(const std::filesystem::path& run, int frames);
 
   /// One pose over and over.
   CollisionSubject(std::string name, const IndexedMesh& file, int frames);

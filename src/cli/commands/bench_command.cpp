@@ -27,7 +27,7 @@ struct BenchOptions {
   CommonOptions common;
   std::vector<std::string> names;
   std::int64_t frames = 0;
-  std::vector<std::string> scenes;
+  std::vector<std::string> scenes, runs;
   std::string scale;
   bool quick = false;
 };
@@ -91,6 +91,8 @@ void run_bench(BenchOptions& options) {
     if (options.quick) words.emplace_back("--quick");
     if (options.frames > 0 && name != "boundary-path")
       words.insert(words.end(), {"--frames", std::to_string(options.frames)});
+    if (name == "self-collision")
+      for (const std::string& run : options.runs) words.insert(words.end(), {"--run", run});
     if (name == "simulation") {
       for (const std::string& scene : options.scenes) words.insert(words.end(), {"--scene", scene});
       if (!options.scale.empty()) words.insert(words.end(), {"--scale", options.scale});
@@ -117,6 +119,9 @@ Command add_bench(CLI::App& app) {
   sub->add_option("--frames", options->frames, "Frames of each sequence or scene; by default all of them")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{100'000}))
       ->type_name("N");
+  sub->add_option("--run", options->runs, "self-collision: the frames of simulated runs, by their folders")
+      ->check(CLI::ExistingDirectory)
+      ->type_name("FOLDER");
   sub->add_option("--scene", options->scenes, "simulation: only these scenes")->type_name("NAME");
   sub->add_option("--scale", options->scale, "simulation: a scale of the scenes, such as paper")->type_name("NAME");
   return {sub, &options->common, [options] {
