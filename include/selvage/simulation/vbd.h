@@ -9,7 +9,8 @@
 namespace selvage {
 
 struct VbdOptions : StepOptions {
-  int iterations = 10;  ///< sweeps over all vertices in a time step, at most, for each set of contacts
+  /// Sweeps over all vertices in a time step, at most; and a quarter of them each time that it finds further contacts.
+  int iterations = 10;
   /// StepStatistics::residual at which a step is done with before [m]; 0: after all iterations. To know it costs about
   /// a quarter of a sweep more.
   double residual = 0;

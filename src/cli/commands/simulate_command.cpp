@@ -102,20 +102,25 @@ class FrameProgress {
   Clock::time_point start_, frame_start_;
 };
 
-/// Says before the first frame that bodies overlap: the figures at the end do not tell what the scene began with.
+std::string count_text(std::int64_t count, const char* one, const char* many) {
+  return fmt::format("{} {}", grouped(count), count == 1 ? one : many);
+}
+
+/// Says before the first frame that bodies overlap, or cloth crosses: the figures at the end do not tell what the scene
+/// began with.
 void print_start(const FrameStatistics& row) {
-  if (row.frame > 0 || row.penetrating_vertices == 0) return;
-  fmt::print("at the start     {} {} inside bodies, at most {:.3g} mm deep\n", grouped(row.penetrating_vertices),
-             row.penetrating_vertices == 1 ? "vertex" : "vertices", 1e3 * row.deepest_penetration);
+  if (row.frame > 0) return;
+  if (row.penetrating_vertices > 0)
+    fmt::print("at the start     {} inside bodies, at most {:.3g} mm deep\n",
+               count_text(row.penetrating_vertices, "vertex", "vertices"), 1e3 * row.deepest_penetration);
+  else if (row.triangle_pairs > 0)
+    fmt::print("at the start     {}\n",
+               count_text(row.triangle_pairs, "pair of triangles crosses", "pairs of triangles cross"));
   std::fflush(stdout);
 }
 
 std::string depth_text(double depth) {
   return depth < 0.1 ? fmt::format("{:.3g} mm", 1e3 * depth) : fmt::format("{:.3g} m", depth);
-}
-
-std::string count_text(std::int64_t count, const char* one, const char* many) {
-  return fmt::format("{} {}", grouped(count), count == 1 ? one : many);
 }
 
 /// Crossings in one line: "free" where nothing crosses.

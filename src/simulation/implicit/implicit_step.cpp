@@ -100,7 +100,7 @@ void ImplicitStep::step(State& state, std::span<const Vec3> external_forces, con
     renew_terms();
   });
   for (int round = 0; round < kSolveRounds; ++round) {
-    timed(statistics().seconds_material, [&] { minimize(potential_, x_); });
+    timed(statistics().seconds_material, [&] { minimize(potential_, round == 0, x_); });
     place();
     if (round + 1 == kSolveRounds) break;
     time_step_.find_missed_contacts();

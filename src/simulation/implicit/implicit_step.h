@@ -7,8 +7,8 @@
 
 namespace selvage {
 
-/// Moves x towards a minimum of the potential.
-using Minimizer = std::function<void(IncrementalPotential& potential, std::vector<Vec3>& x)>;
+/// Moves x towards a minimum of the potential. `is_guess`: x is where the step begins, not where an earlier call ended.
+using Minimizer = std::function<void(IncrementalPotential& potential, bool is_guess, std::vector<Vec3>& x)>;
 
 /// A time step of an implicit solver, around its minimiser: in the order of TimeStep.
 ///

@@ -16,6 +16,9 @@ namespace {
 constexpr std::int64_t kSweepGrain = 64;
 constexpr Index kSumsAtOnce = 32;
 
+/// Part of the sweeps that are made again where contacts have been added to a minimum that is nearly found.
+constexpr int kLaterPart = 4;
+
 /// Times that a step of a vertex is halved.
 constexpr int kHalvings = 8;
 /// Part of an energy that is rounding.
@@ -90,12 +93,13 @@ struct VbdSolver::Parts {
     return share;
   }
 
-  void minimize(IncrementalPotential& potential, std::vector<Vec3>& x) {
+  void minimize(IncrementalPotential& potential, bool is_guess, std::vector<Vec3>& x) {
     StepStatistics& statistics = implicit.statistics();
     stars.place(x);
     if (is_guess) stars.begin();
     stars.renew_contacts(potential);
-    for (int iteration = 0; iteration < options.iterations; ++iteration) {
+    const int count = is_guess ? options.iterations : (options.iterations + kLaterPart - 1) / kLaterShare;
+    for (int iteration = 0; iteration < count; ++iteration) {
       potential.renew_friction(x, iteration == 0);
       sweep(potential, x);
       ++statistics.newton_steps;
@@ -105,8 +109,9 @@ struct VbdSolver::Parts {
   }
 
   void step(State& state, std::span<const Vec3> external_forces) {
-    implicit.step(state, external_forces,
-                  [&](IncrementalPotential& potential, std::vector<Vec3>& x) { minimize(potential, x); });
+    implicit.step(state, external_forces, [&](IncrementalPotential& potential, bool is_guess, std::vector<Vec3>& x) {
+      minimize(potential, is_guess, x);
+    });
   }
 };
 
