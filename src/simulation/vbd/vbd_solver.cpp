@@ -98,7 +98,7 @@ struct VbdSolver::Parts {
     stars.place(x);
     if (is_guess) stars.begin();
     stars.renew_contacts(potential);
-    const int count = is_guess ? options.iterations : (options.iterations + kLaterPart - 1) / kLaterShare;
+    const int count = is_guess ? options.iterations : (options.iterations + kLaterPart - 1) / kLaterPart;
     for (int iteration = 0; iteration < count; ++iteration) {
       potential.renew_friction(x, iteration == 0);
       sweep(potential, x);
