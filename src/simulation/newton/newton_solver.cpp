@@ -38,7 +38,7 @@ struct NewtonSolver::Parts {
   }
 
   void step(State& state, std::span<const Vec3> external_forces) {
-    implicit.step(state, external_forces, [&](IncrementalPotential& potential, std::vector<Vec3>& x) {
+    implicit.step(state, external_forces, [&](IncrementalPotential& potential, bool, std::vector<Vec3>& x) {
       const NewtonLimits limits{options.newton_steps, options.tolerance * least_length(), kNear * implicit.mean_edge()};
       const NewtonReport report = minimize(potential, system, limits, matrix, x);
       StepStatistics& statistics = implicit.statistics();
