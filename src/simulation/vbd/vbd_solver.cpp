@@ -100,7 +100,7 @@ struct VbdSolver::Parts {
     stars.renew_contacts(potential);
     const int count = is_guess ? options.iterations : (options.iterations + kLaterPart - 1) / kLaterPart;
     for (int iteration = 0; iteration < count; ++iteration) {
-      potential.renew_friction(x, iteration == 0);
+      potential.renew_friction(x, is_guess && iteration == 0);
       sweep(potential, x);
       ++statistics.newton_steps;
       if (options.residual > 0 && residual_of(potential, x) <= options.residual) break;
