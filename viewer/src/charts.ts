@@ -47,7 +47,7 @@ export function chartsOf(head: Head): Chart[] {
     line("edge-edge", "edge_edges", "#56b4e9"),
     line("colliders", "collider_contacts", "#999999"),
   ];
-  const motion = [line("kinetic [J]", "kinetic_energy", "#009e73"), line("fastest [m/s]", "fastest", "#e69f00")];
+  const motion = [line("kinetic [J]", "kinetic_energy", "#009e73"), line("elastic [J]", "elastic_energy", "#0072b2"), line("fastest [m/s]", "fastest", "#e69f00")];
   return [
     { title: "time of a frame [ms]", stacked: true, lines: [...times, rest] },
     { title: "inside", stacked: false, lines: inside },
