@@ -76,9 +76,11 @@ def row(scene: dict[str, Any], solver: str, frames: int) -> str:
         s = run.statistics
         last = max(1, frames // 6)
         residual = f"{s['residual'][-last:].max():.2g}" if solver != "xpbd" else ""
+        potential = (s["elastic_energy"] + s["gravity_energy"])[-last:].mean()
         return (
             f"| {solver} | {cost:.3f} | {s['triangle_pairs'].max():.0f} | {s['triangle_pairs'][-1]:.0f} "
-            f"| {s['fastest'][-last:].max():.4f} | {s['kinetic_energy'][-last:].mean():.2g} | {residual} |"
+            f"| {s['fastest'][-last:].max():.4f} | {s['kinetic_energy'][-last:].mean():.2g} "
+            f"| {potential:.5g} | {residual} |"
         )
 
 
@@ -91,8 +93,11 @@ def main() -> None:
     print(f"selvage {selvage.__version__}, {frames} frames, one thread")
     for name, scene in scenes().items():
         print(f"\n{name}:\n")
-        print("| solver | user CPU [s/frame] | most pairs | pairs at the end | fastest at rest [m/s] | energy of it [J] | residual [m] |")
-        print("| --- | --- | --- | --- | --- | --- | --- |")
+        print(
+            "| solver | user CPU [s/frame] | most pairs | pairs at the end | fastest at rest [m/s] "
+            "| kinetic energy of it [J] | elastic and potential [J] | residual [m] |"
+        )
+        print("| --- | --- | --- | --- | --- | --- | --- | --- |")
         for solver in SOLVERS:
             print(row(scene, solver, frames), flush=True)
 
