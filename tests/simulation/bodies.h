@@ -152,6 +152,28 @@ inline Model pile(const Material& material) {
       material);
 }
 
+/// A body 10,000 times as dense comes down on a light one: nothing is inverted, left inside or thrown.
+template <typename Solver, typename Options>
+void expect_heavy_to_stand_on_light(Options options, double least_height, double most_energy) {
+  const IndexedMesh lower = moved(make_box({0.2, 0.2, 0.1}, 0.05), {0, 0, 0.001});
+  const IndexedMesh upper = moved(make_box({0.1, 0.1, 0.05}, 0.05), {0.05, 0.05, 0.102});
+  Model model = make(std::vector<IndexedMesh>{lower, upper}, neo_hookean(1e5, 0.4));
+  model.bodies[0].material.density = 1;
+  model.bodies[1].material.density = 1e4;
+  model = make_model(
+      TetMesh(model.mesh.vertex_count(), std::vector(model.mesh.elements().begin(), model.mesh.elements().end())),
+      model.rest_positions, model.bodies);
+  State state = make_state(model, model.rest_positions);
+  options.velocity_damping = 1;
+  Solver solver(model, state, {}, {{PlaneShape{}}}, options);
+  for (int i = 0; i < 200; ++i) solver.step(state);
+  EXPECT_EQ(inverted_elements(model, state), 0);
+  const BoundaryPathFinder<3> finder(model.mesh, state.positions);
+  EXPECT_TRUE(finder.find_penetrating_vertices().empty());
+  EXPECT_GT(centre(model, state)[2], least_height);
+  EXPECT_LT(kinetic_energy(model, state), most_energy);
+}
+
 /// Throws with what() that starts with `where`.
 template <typename Action>
 void expect_error(const std::string& where, Action&& action) {
