@@ -1,8 +1,10 @@
 #include "selvage/self_collision/self_collision.h"
+#include "selvage/shapes/sequences.h"
 #include "selvage/shapes/shapes.h"
 
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -84,6 +86,28 @@ void culling(benchmark::State& state) {
   state.counters["box_pairs"] = static_cast<double>(counters.box_pairs);
 }
 BENCHMARK(culling)->Name("Culling")->ArgsProduct({{0, 1, 2}, {0, 1, 2, 3, 4, 5, 6}})->Unit(benchmark::kMillisecond);
+
+/// A surface is checked once: topology, hierarchy and search. benchmarks/python/overhead.py asks the same from Python.
+void check_once(benchmark::State& state) {
+  const SurfaceSequence pipe("pipe", state.range(0));
+  const std::vector<Vec3> positions = pipe.positions(pipe.frame_count() - 1);
+  SelfCollisionOptions options;
+  options.asked_once = true;
+  for (auto _ : state) {
+    const TriangleMesh mesh(pipe.vertex_count(), pipe.triangles());
+    SelfCollisionFinder finder(mesh, positions, options);
+    benchmark::DoNotOptimize(finder.find_pairs());
+  }
+}
+BENCHMARK(check_once)
+    ->Name("self_collision/check_once")
+    ->Arg(1000000)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime()
+    ->Iterations(1)
+    ->Repetitions(9)
+    ->ReportAggregatesOnly()
+    ->ComputeStatistics("min", [](const std::vector<double>& times) { return *std::ranges::min_element(times); });
 
 }  // namespace
 }  // namespace selvage

@@ -199,11 +199,11 @@ View ScenePictures::turned_view(double angle) {
 void ScenePictures::add_colliders(double time, PictureContent& content) const {
   const Frame frame{0, 0, static_cast<double>(view_.width), static_cast<double>(view_.height)};
   const float radius = kLineRadius * static_cast<float>(std::max(view_.height, 400)) / 800;
-  const auto part_of_colliders = static_cast<Index>(content.colours.size());
+  content.lined_part = static_cast<Index>(content.colours.size());
   for (std::size_t i = 0; i < scene_.colliders.size(); ++i) {
     if (ground_ && ground_->plane == i) continue;
     const ColliderPart part = make_collider_part(scene_.colliders[i], time, room_);
-    const std::vector<Index> parts(part.triangles.size(), part_of_colliders);
+    const std::vector<Index> parts(part.triangles.size(), content.lined_part);
     PlacedSurface surface{part.positions, part.triangles};
     surface.parts = parts;
     surface.one_sided = part.one_sided;

@@ -260,6 +260,24 @@ TEST(ScenePicture, ContainersDoNotHideTheirContents) {
   EXPECT_LT(count_pixels(ScenePictures(scene, small_view()).draw(x, 0), body_colour(0)), alone / 2);
 }
 
+TEST(ScenePicture, SheetHidesTheEdgesOfAColliderThatItLiesOn) {
+  const std::vector<Vec3> x{{0, 0, 0}, {1, 0, 0}, {1, 0, 1}, {0, 0, 1}};
+  DrawnScene scene;
+  scene.ground = false;
+  scene.vertex_count = 4;
+  scene.surface = {{0, 1, 2}, {0, 2, 3}};
+  scene.number_pieces();
+  const auto red_along_the_middle = [&](double gap) {
+    scene.colliders = {{CylinderShape{{0.5, 0.2 + gap, 0.5}, {0, 1, 0}, 0.3, 0.4}}};
+    const Image image = ScenePictures(scene, small_view({0, -1, 0})).draw(x, 0);
+    float most = 0;
+    for (int i = 40; i < 120; ++i) most = std::max(most, image.at(i, 60)[0]);
+    return most;
+  };
+  EXPECT_LT(red_along_the_middle(0.002), 0.005f) << "all is the blue of the sheet";
+  EXPECT_GT(red_along_the_middle(-0.002), 0.2f) << "before the sheet it is seen";
+}
+
 TEST(ScenePicture, CameraMayStandInsideTheScene) {
   std::vector<Vec3> x;
   DrawnScene scene;

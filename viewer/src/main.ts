@@ -38,7 +38,7 @@ class Viewer {
   private pair = -1;
   private playing = false;
   private timeShown = 0; // when clock, slider and charts were last brought up to date [ms]
-  private wanted: number | null = null;
+  private asked = 0;
   private busy = false;
   private blends: boolean;
   private charts: Charts | null = null;
@@ -148,7 +148,7 @@ class Viewer {
 
   private bindKeys(): void {
     const { options } = this;
-    const step = (by: number) => this.goTo(this.place + by * (this.blends ? 0.05 : 1));
+    const step = (by: number) => this.goTo(this.asked + by * (this.blends ? 0.05 : 1));
     const shift = (by: number) => this.set("place", Math.min(1, Math.max(0, Math.round(500 * (options.place + by)) / 500)));
     const keys: Record<string, () => void> = {
       " ": () => this.play(!this.playing),
@@ -252,18 +252,14 @@ class Viewer {
 
   /// Shows a pose, or a blend of two, when it has been decoded; only the last of those asked for meanwhile.
   goTo(place: number): void {
-    this.wanted = Math.min(Math.max(place, 0), this.poses.count - 1);
+    this.asked = Math.min(Math.max(place, 0), this.poses.count - 1);
     if (!this.busy) this.follow().catch((error: Error) => notify(error.message));
   }
 
   private async follow(): Promise<void> {
     this.busy = true;
     try {
-      while (this.wanted !== null) {
-        const place = this.wanted;
-        this.wanted = null;
-        if (place !== this.place || this.shown.positions.length === 0) await this.show(place);
-      }
+      while (this.asked !== this.place || this.shown.positions.length === 0) await this.show(this.asked);
     } finally {
       this.busy = false;
     }

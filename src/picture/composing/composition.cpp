@@ -104,12 +104,13 @@ class ComposedSurface {
 };
 
 /// How much of each sample of a layer the lines cover that are not hidden.
-std::vector<float> draw_lines(std::span<const ScreenLine> lines, const SurfaceLayer& layer) {
-  constexpr float kBias = 0.996f;  // lines lie on the surfaces that they are edges of
-  if (lines.empty()) return {};
+std::vector<float> draw_lines(const PictureContent& content, const SurfaceLayer& layer) {
+  // Lines lie on the surface that they are edges of, and on the ground; a sheet may hide them from as near as rounding.
+  constexpr float kOwnBias = 0.996f, kBias = 0.99995f;
+  if (content.lines.empty()) return {};
   std::vector<float> ink(layer.distance.size(), 0);
   const auto samples = static_cast<float>(layer.samples);
-  for (const ScreenLine& line : lines) {
+  for (const ScreenLine& line : content.lines) {
     const Eigen::Vector2f a = samples * line.from.head<2>(), along = samples * line.to.head<2>() - a;
     const float reach = samples * line.radius + 0.5f, length = along.norm();
     if (!(length > 0)) continue;
@@ -134,7 +135,8 @@ std::vector<float> draw_lines(std::span<const ScreenLine> lines, const SurfaceLa
         if (cover == 0) continue;
         const float distance = 1 / ((1 - t) / line.from[2] + t / line.to[2]);
         const std::size_t i = layer.index(x, y);
-        if (distance * kBias < layer.distance[i]) ink[i] = std::max(ink[i], cover);
+        const bool is_own = layer.part[i] == content.lined_part || layer.part[i] == kGroundPart;
+        if (distance * (is_own ? kOwnBias : kBias) < layer.distance[i]) ink[i] = std::max(ink[i], cover);
       }
     }
   }
@@ -159,7 +161,7 @@ class Composer {
       // Lines and glass are also where no body is.
       if (drawn.body.distance.empty())
         drawn.body = SurfaceLayer(content_.width * samples, {rows.first * samples, rows.last * samples}, samples);
-      drawn.ink = draw_lines(content_.lines, drawn.body);
+      drawn.ink = draw_lines(content_, drawn.body);
       drawn.panes.assign(drawn.body.distance.size(), 0);
       glass_.count_in_front(band, drawn.body, drawn.panes);
     }

@@ -35,6 +35,7 @@ struct PictureContent {
   ScreenSurface inner;
   ScreenSurface glass{};            ///< that of which only a tint is seen, over all that is behind it
   std::vector<ScreenLine> lines{};  ///< edges of colliders
+  Index lined_part = kNone;         ///< the part of the body that has these edges
   std::vector<Rgb> colours{};       ///< of the body's parts; empty: one colour
   Index valued_parts = 0;           ///< the first of them are coloured by the value of each sample, from 0 to 1
   bool grey_at_zero = false;        ///< but not where the value is 0
