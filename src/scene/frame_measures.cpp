@@ -1,6 +1,7 @@
 #include "scene/frame_measures.h"
 
 #include "core/parallel.h"
+#include "scene/float_rounding.h"
 
 #include <algorithm>
 #include <cmath>
@@ -79,6 +80,12 @@ void FrameMeasures::measure(const State& state, std::int64_t frame, FrameStatist
   row.inverted_elements = finder_.defects().inverted_elements;
   crossings_ = {bodies_.measure(finder_, state.positions), colliders_.measure(finder_, state)};
   add_crossings(crossings_, row);
+}
+
+std::vector<Vec3> FrameMeasures::stored_positions(const State& state) {
+  const ContactOptions& contact = scene_.options.contact;
+  if (contact.guarantee || contact.mode == DetectionMode::kOff) return state.positions;
+  return round_to_floats(bodies_.surface(), bodies_.surface_finder(), state.positions, bodies_.pairs());
 }
 
 const Body* find_body_without_volume(const Model& model, const State& state) {

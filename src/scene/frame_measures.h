@@ -20,6 +20,9 @@ class FrameMeasures {
   /// Of the state measured last.
   const Crossings& crossings() const { return crossings_; }
 
+  /// Positions to store in a frame, of the state measured last: as they are with a guarantee, else floats.
+  std::vector<Vec3> stored_positions(const State& state);
+
  private:
   const Scene& scene_;
   EnergyMeasure energies_;

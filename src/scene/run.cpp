@@ -178,12 +178,12 @@ bool advance(const Scene& scene, SceneSimulation& simulation, std::int64_t frame
 
 /// Checks come before the frame is stored: a run that is continued never lacks one.
 void store(const RunFolder& folder, const RunOptions& options, const Scene& scene, const State& state,
-           const FrameStatistics& row, const Crossings& crossings) {
+           const FrameStatistics& row, FrameMeasures& measures) {
   try {
     const bool is_checked = options.check_every > 0 && row.frame % options.check_every == 0;
-    if (is_checked) folder.store_check(row.frame, describe_crossings(scene, row.frame, crossings));
-    folder.store_frame(state, row);
-    if (is_checked && options.on_check) options.on_check(row.frame, crossings);
+    if (is_checked) folder.store_check(row.frame, describe_crossings(scene, row.frame, measures.crossings()));
+    folder.store_frame(state, measures.stored_positions(state), row);
+    if (is_checked && options.on_check) options.on_check(row.frame, measures.crossings());
   } catch (const SystemError& error) {
     throw SystemError(fmt::format("frame {}", row.frame), error.what());
   }
@@ -214,13 +214,13 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     report.first_frame = stopped->frame;
   } else {
     simulation.measures().measure(state, 0, report.frames.emplace_back());
-    store(folder, options, scene, state, report.frames.back(), simulation.measures().crossings());
+    store(folder, options, scene, state, report.frames.back(), simulation.measures());
   }
   if (options.on_frame) options.on_frame(report.frames.back());
   const std::int64_t last = options.frames.value_or(scene.frames);
   for (std::int64_t frame = report.first_frame + 1; frame <= last; ++frame) {
     if (!advance(scene, simulation, frame, state, report)) break;
-    store(folder, options, scene, state, report.frames.back(), simulation.measures().crossings());
+    store(folder, options, scene, state, report.frames.back(), simulation.measures());
     if (options.on_frame) options.on_frame(report.frames.back());
   }
   // A frame that failed has moved on from the last whole one.

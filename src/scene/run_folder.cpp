@@ -197,7 +197,7 @@ void RunFolder::begin() const {
   if (is_missing(scene_path(options_.folder))) write_text(scene_path(options_.folder), print_scene(scene_));
 }
 
-void RunFolder::store_frame(const State& state, const FrameStatistics& row) const {
+void RunFolder::store_frame(const State& state, std::span<const Vec3> positions, const FrameStatistics& row) const {
   FrameHeader header;
   header.elements = scene_.model.mesh.element_count();
   header.frame = row.frame;
@@ -205,7 +205,7 @@ void RunFolder::store_frame(const State& state, const FrameStatistics& row) cons
   header.time = state.time;
   header.fingerprint = scene_.fingerprint;
   export_frame(row.frame, state);
-  write_frame(frame_path(options_.folder, row.frame), header, state.positions, scene_.options.contact.guarantee);
+  write_frame(frame_path(options_.folder, row.frame), header, positions, scene_.options.contact.guarantee);
   append_row(row);
   write_checkpoint(checkpoint_path(options_.folder), header, state);
 }

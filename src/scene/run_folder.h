@@ -31,8 +31,9 @@ class RunFolder {
   /// Writes the files that all frames share.
   void begin() const;
 
+  /// @param positions     of the frame; those of the state go to the checkpoint
   /// @throws SystemError  when something cannot be written; the frame is then not there
-  void store_frame(const State& state, const FrameStatistics& row) const;
+  void store_frame(const State& state, std::span<const Vec3> positions, const FrameStatistics& row) const;
 
   /// @param json  of the frame's check
   void store_check(std::int64_t frame, std::string_view json) const;

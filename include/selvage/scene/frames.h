@@ -23,8 +23,8 @@ namespace selvage {
 /// then cloth (rest x 3 int32). frames/frame_000000.bin: positions (n_vertices x 3 float32) [m]; rest.bin the same at
 /// rest. checkpoint.bin: positions and velocities (twice n_vertices x 3 float64), then how long
 /// each body has rested (n_bodies float64) [s], or nothing. Frames are for viewing, for which single
-/// precision suffices. Runs are continued, and statistics measured, in double precision. Frames of a guaranteed run are
-/// exact (n_vertices x 3 float64): rounded positions might meet.
+/// precision suffices. Runs are continued, and statistics measured, in double precision. run_scene() rounds so that
+/// triangles that are apart stay apart, nearly always. Frames of a guaranteed run are exact (n_vertices x 3 float64).
 struct FrameHeader {
   std::array<char, 8> magic{'s', 'e', 'l', 'v', 'a', 'g', 'e', 0};
   std::int32_t schema = 1;

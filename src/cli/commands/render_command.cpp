@@ -205,12 +205,12 @@ void run_render(const RenderOptions& options) {
   const std::vector<fs::path> inputs = inputs_of(options);
   outputs.expect(options.output, inputs);
   outputs.expect(options.common.json, inputs);
-  const fs::path encoder = video ? find_video_encoder() : fs::path();
   const ShownResult shown = show(options);
   if (video && shown.last_frame == 0 && options.orbit == 0)
     throw Error(options.result, "has one pose, of which there is no video", "write a .png, or turn it: --orbit 360");
   std::vector<std::int64_t> frames = choose_frames(options, shown, video);
   const double rate = video ? choose_rate(options, shown, frames) : 0;
+  const fs::path encoder = video ? find_video_encoder() : fs::path();
   Renderer renderer(shown, options);
   renderer.prepare(frames);
   watch.lap("read");

@@ -54,7 +54,8 @@ BodyCrossings BodyCrossingFinder::measure(const BoundaryPathFinder<3>& finder, s
   Sums sums;
   edges_.assign(static_cast<std::size_t>(surface_->edge_count()), 0);
   surface_finder_.update(positions);
-  for (const TrianglePair& pair : surface_finder_.find_pairs()) {
+  pairs_ = surface_finder_.find_pairs();
+  for (const TrianglePair& pair : pairs_) {
     if (pair.contact != TriangleContact::kCrossing) continue;
     for (const Index triangle : {pair.first, pair.second})
       for (const Index edge : surface_->triangle_edges()[triangle]) edges_[edge] = 1;

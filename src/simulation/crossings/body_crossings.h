@@ -22,6 +22,11 @@ class BodyCrossingFinder {
   /// @param finder  of the model's mesh, in the same pose
   BodyCrossings measure(const BoundaryPathFinder<3>& finder, std::span<const Vec3> positions);
 
+  const TriangleMesh& surface() const { return *surface_; }
+  SelfCollisionFinder& surface_finder() { return surface_finder_; }
+  /// All that meet in the pose measured last, those that only touch too.
+  std::span<const TrianglePair> pairs() const { return pairs_; }
+
  private:
   class Sums;
   void append_cloth_vertices(const BoundaryPathFinder<3>& finder, std::span<const Vec3> positions,
@@ -33,8 +38,9 @@ class BodyCrossingFinder {
   const Model* model_;
   std::unique_ptr<TriangleMesh> surface_;  ///< where it is stays the same when this is moved
   SelfCollisionFinder surface_finder_;     ///< refitted from pose to pose
-  std::vector<Index> bodies_;              ///< of the vertices
-  std::vector<std::uint8_t> edges_;        ///< of the surface: 1 where one may be inside an element
+  std::vector<TrianglePair> pairs_;
+  std::vector<Index> bodies_;        ///< of the vertices
+  std::vector<std::uint8_t> edges_;  ///< of the surface: 1 where one may be inside an element
 };
 
 }  // namespace selvage
