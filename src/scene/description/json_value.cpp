@@ -216,9 +216,11 @@ std::pair<std::size_t, JsonValue> JsonObject::get_one_of(std::span<const std::st
 void JsonObject::refuse_others() const {
   for (const auto& [key, ignored] : value_.json().items()) {
     if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
-    const JsonValue member = value_.member(key);
-    member.fail("is not known here",
-                fmt::format("did you mean '{}'? Allowed are {}", nearest_name(key, known_), fmt::join(known_, ", ")));
+    const std::string_view nearest = nearest_name(key, known_);
+    const bool is_near = 5 * edit_distance(key, nearest) <= 2 * key.size();
+    value_.member(key).fail("is not known here",
+                            fmt::format("{}llowed are {}", is_near ? fmt::format("did you mean '{}'? A", nearest) : "a",
+                                        fmt::join(known_, ", ")));
   }
 }
 

@@ -161,6 +161,23 @@ std::string canonical_text(Json document) {
   return nlohmann::json(document).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
 }
 
+/// Values that are written at the top by mistake.
+void refuse_misplaced(const JsonValue& scene) {
+  constexpr const char* kBody = "a body, as in {\"bodies\": [{...}]}";
+  constexpr const char* kContact = "\"contact\": {...}";
+  constexpr std::array<std::pair<const char*, const char*>, 9> kPlaces{{{"mesh", kBody},
+                                                                        {"material", kBody},
+                                                                        {"velocity", kBody},
+                                                                        {"pinned", kBody},
+                                                                        {"handles", kBody},
+                                                                        {"mode", kContact},
+                                                                        {"guarantee", kContact},
+                                                                        {"static_friction", kContact},
+                                                                        {"dynamic_friction", kContact}}};
+  for (const auto& [key, place] : kPlaces)
+    if (scene.json().contains(key)) scene.member(key).fail("is not known here", fmt::format("write it in {}", place));
+}
+
 }  // namespace
 
 Motion read_motion(const JsonValue& value) {
@@ -230,6 +247,7 @@ SceneDescription describe_scene(std::string_view text, const std::filesystem::pa
   if (scene.bodies.empty()) bodies.fail("is empty", "give at least one body");
   if (const auto v = object.find("colliders"))
     for (const JsonValue& item : v->items()) scene.colliders.push_back(read_collider(item, file.parent_path()));
+  refuse_misplaced(JsonValue(document, file.string()));
   object.refuse_others();
   refuse_rigid_springs(scene);
   // The implicit solvers damp enough by themselves.
