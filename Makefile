@@ -28,10 +28,11 @@ cli:
 	$(CONFIGURE) --preset release -DSELVAGE_BUILD_TESTS=OFF
 	$(BUILD) release
 
-## test        build, then run all tests
+## test        build, then run all tests, those of Python too, and try a wheel in a fresh environment
 test: build-tests
 	$(CTEST) --preset release
 	$(MAKE) test-python
+	$(MAKE) wheel
 
 # The environment of the Python package; its packages come from PyPI.
 VENV := build/venv
