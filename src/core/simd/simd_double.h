@@ -32,6 +32,10 @@ SELVAGE_INLINE WideDouble sqrt(WideDouble a) {
 SELVAGE_INLINE WideDouble select_less(WideDouble a, WideDouble b, WideDouble x, WideDouble y) {
   return {_mm512_mask_blend_pd(_mm512_cmp_pd_mask(a.v, b.v, _CMP_LT_OQ), y.v, x.v)};
 }
+/// Whether a < b in some lane.
+SELVAGE_INLINE bool any_less(WideDouble a, WideDouble b) {
+  return _mm512_cmp_pd_mask(a.v, b.v, _CMP_LT_OQ) != 0;
+}
 
 template <typename Offset>
 SELVAGE_INLINE void load_rows(const double* rows, const Offset* offsets, WideDouble (&column)[4]) {
@@ -84,6 +88,9 @@ SELVAGE_INLINE WideDouble sqrt(WideDouble a) {
 SELVAGE_INLINE WideDouble select_less(WideDouble a, WideDouble b, WideDouble x, WideDouble y) {
   return {_mm256_blendv_pd(y.v, x.v, _mm256_cmp_pd(a.v, b.v, _CMP_LT_OQ))};
 }
+SELVAGE_INLINE bool any_less(WideDouble a, WideDouble b) {
+  return _mm256_movemask_pd(_mm256_cmp_pd(a.v, b.v, _CMP_LT_OQ)) != 0;
+}
 
 /// Its own inverse.
 SELVAGE_INLINE void transpose_rows(const __m256d (&r)[4], __m256d (&c)[4]) {
@@ -129,6 +136,9 @@ SELVAGE_INLINE WideDouble select_less(WideDouble a, WideDouble b, WideDouble x, 
   const __m128d less = _mm_cmplt_pd(a.v, b.v);
   return {_mm_or_pd(_mm_and_pd(less, x.v), _mm_andnot_pd(less, y.v))};
 }
+SELVAGE_INLINE bool any_less(WideDouble a, WideDouble b) {
+  return _mm_movemask_pd(_mm_cmplt_pd(a.v, b.v)) != 0;
+}
 
 template <typename Offset>
 SELVAGE_INLINE void load_rows(const double* rows, const Offset* offsets, WideDouble (&column)[4]) {
@@ -169,6 +179,9 @@ SELVAGE_INLINE WideDouble sqrt(WideDouble a) {
 SELVAGE_INLINE WideDouble select_less(WideDouble a, WideDouble b, WideDouble x, WideDouble y) {
   return a.v < b.v ? x : y;
 }
+SELVAGE_INLINE bool any_less(WideDouble a, WideDouble b) {
+  return a.v < b.v;
+}
 template <typename Offset>
 SELVAGE_INLINE void load_rows(const double* rows, const Offset* offsets, WideDouble (&column)[4]) {
   for (int k = 0; k < 4; ++k) column[k].v = rows[offsets[0] + k];
@@ -176,6 +189,43 @@ SELVAGE_INLINE void load_rows(const double* rows, const Offset* offsets, WideDou
 template <typename Offset>
 SELVAGE_INLINE void store_rows(const WideDouble (&column)[4], double* rows, const Offset* offsets) {
   for (int k = 0; k < 4; ++k) rows[offsets[0] + k] = column[k].v;
+}
+
+#endif
+
+/// Four doubles, whatever the width of registers.
+#if defined(SELVAGE_SIMD_AVX2)
+
+struct Double4 {
+  __m256d v;
+
+  SELVAGE_INLINE static Double4 load_floats(const float* p) { return {_mm256_cvtps_pd(_mm_loadu_ps(p))}; }
+  SELVAGE_INLINE static Double4 broadcast(double x) { return {_mm256_set1_pd(x)}; }
+  SELVAGE_INLINE void store(double* p) const { _mm256_storeu_pd(p, v); }
+};
+SELVAGE_INLINE Double4 operator+(Double4 a, Double4 b) {
+  return {a.v + b.v};
+}
+SELVAGE_INLINE Double4 operator*(Double4 a, Double4 b) {
+  return {a.v * b.v};
+}
+
+#else
+
+struct Double4 {
+  double v[4];
+
+  SELVAGE_INLINE static Double4 load_floats(const float* p) { return {{p[0], p[1], p[2], p[3]}}; }
+  SELVAGE_INLINE static Double4 broadcast(double x) { return {{x, x, x, x}}; }
+  SELVAGE_INLINE void store(double* p) const {
+    for (int i = 0; i < 4; ++i) p[i] = v[i];
+  }
+};
+SELVAGE_INLINE Double4 operator+(Double4 a, Double4 b) {
+  return {{a.v[0] + b.v[0], a.v[1] + b.v[1], a.v[2] + b.v[2], a.v[3] + b.v[3]}};
+}
+SELVAGE_INLINE Double4 operator*(Double4 a, Double4 b) {
+  return {{a.v[0] * b.v[0], a.v[1] * b.v[1], a.v[2] * b.v[2], a.v[3] * b.v[3]}};
 }
 
 #endif

@@ -18,10 +18,13 @@ struct BlockMatrix {
   void multiply(const Eigen::VectorXd& x, Eigen::VectorXd& y) const;
 };
 
-/// A matrix of zeros with a block for each pair of vertices of one group, and on the diagonal.
+/// The pattern of a matrix with a block for each pair of vertices of one group, and on the diagonal: without blocks.
 ///
 /// @param groups  vertices that act on one another: an element, a contact; each vertex once a group
-BlockMatrix make_block_matrix(Index vertex_count, std::span<const VertexTuple<4>> elements,
-                              std::span<const std::span<const Index>> groups);
+BlockMatrix make_pattern(Index vertex_count, std::span<const VertexTuple<4>> elements,
+                         std::span<const std::span<const Index>> groups);
+
+/// Gives a matrix a pattern with those of more groups; what its blocks hold means nothing then.
+void extend_pattern(const BlockMatrix& pattern, std::span<const std::span<const Index>> groups, BlockMatrix& matrix);
 
 }  // namespace selvage

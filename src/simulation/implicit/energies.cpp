@@ -3,7 +3,7 @@
 #include "elasticity/edge_spring.h"
 #include "elasticity/neo_hookean.h"
 #include "elasticity/volume_spring.h"
-#include "simulation/implicit/ordered_sum.h"
+#include "simulation/elements/ordered_sum.h"
 
 #include <algorithm>
 #include <limits>

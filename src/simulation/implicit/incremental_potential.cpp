@@ -2,7 +2,7 @@
 
 #include "core/parallel.h"
 #include "selvage/core/error.h"
-#include "simulation/implicit/ordered_sum.h"
+#include "simulation/elements/ordered_sum.h"
 
 #include <fmt/format.h>
 
@@ -15,22 +15,29 @@ namespace {
 
 constexpr std::int64_t kEnergyGrain = 64, kTermGrain = 256;
 
-double trace_by_vertex(const NeoHookean& material, const Eigen::Vector3d& b) {
-  return (3 * material.mu + material.lambda + material.mu) * b.squaredNorm();
-}
-double trace_by_vertex(const VolumeSpring& material, const Eigen::Vector3d& b) {
-  return material.stiffness * b.squaredNorm();
+/// The model, where all its bodies can be minimised.
+const Model& checked(const Model& model) {
+  for (const Body& body : model.bodies) {
+    const Material& m = body.material;
+    if (m.kind == MaterialKind::kMassSpring && !(m.edge_compliance > 0 && m.volume_compliance > 0))
+      throw Error(fmt::format("body '{}'", body.name), "is rigid: a compliance is 0",
+                  "give edge_compliance and volume_compliance above 0, or use the solver xpbd");
+  }
+  return model;
 }
 
 }  // namespace
 
 IncrementalPotential::IncrementalPotential(const Model& model, double time_step)
-    : model_(model), time_step_(time_step), rest_stiffness_(model.mesh.vertex_count(), 0.0), cloth_(model, time_step) {
-  bool damped = false;
-  for (const Body& body : model.bodies) {
-    add_body(body);
-    damped |= body.material.damping > 0;
-  }
+    : model_(checked(model)),
+      time_step_(time_step),
+      elements_(model, time_step),
+      rest_stiffness_(model.mesh.vertex_count(), 0.0),
+      cloth_(model, time_step) {
+  for (Index e = 0; e < elements_.count(); ++e)
+    for (int k = 0; k < 4; ++k) rest_stiffness_[model.mesh.elements()[e][k]] += elements_.rest_stiffness(e, k);
+  for (const Body& body : model.bodies)
+    if (body.material.kind == MaterialKind::kMassSpring) add_springs(body);
   cloth_derivatives_.resize(cloth_.count());
   for (Index t = 0; t < cloth_.count(); ++t) {
     const StencilHessian<4> hessian = cloth_.derivatives(t, model.rest_positions, false).hessian;
@@ -38,32 +45,8 @@ IncrementalPotential::IncrementalPotential(const Model& model, double time_step)
     for (std::size_t k = 0; k < vertices.size(); ++k)
       rest_stiffness_[vertices[k]] += hessian.block<3, 3>(3 * k, 3 * k).trace() / 3;
   }
-  if (damped) start_gradients_.resize(elements_.size());
-  element_derivatives_.resize(elements_.size());
   masses_.resize(vertex_count());
   targets_.resize(vertex_count());
-}
-
-void IncrementalPotential::add_body(const Body& body) {
-  const Material& m = body.material;
-  const bool springs = m.kind == MaterialKind::kMassSpring;
-  if (springs && !(m.edge_compliance > 0 && m.volume_compliance > 0))
-    throw Error(fmt::format("body '{}'", body.name), "is rigid: a compliance is 0",
-                "give edge_compliance and volume_compliance above 0, or use the solver xpbd");
-  for (Index e = body.first_element; e < body.first_element + body.element_count; ++e) {
-    const RestSimplex<3> rest = rest_tetrahedron(model_.mesh.elements()[e], model_.rest_positions);
-    if (springs)
-      elements_.push_back({rest, VolumeSpring{rest.size / m.volume_compliance}});
-    else
-      elements_.push_back({rest, NeoHookean::of(m.youngs_modulus, m.poisson_ratio)});
-    element_damping_.push_back(m.damping / time_step_);
-    for (int k = 0; k < 4; ++k)
-      rest_stiffness_[model_.mesh.elements()[e][k]] +=
-          rest.size / 3 *
-          std::visit([&](const auto& material) { return trace_by_vertex(material, rest.by_vertex(k)); },
-                     elements_.back().material);
-  }
-  if (springs) add_springs(body);
 }
 
 void IncrementalPotential::add_springs(const Body& body) {
@@ -97,9 +80,7 @@ void IncrementalPotential::begin(const Step& step, std::span<const StepVertex> v
     masses_[v] = inverse_mass > 0 ? 1 / (inverse_mass * time_step_ * time_step_) : 0;
     targets_[v] = Eigen::Map<const Eigen::Vector3d>(vertices[v].position);
   }
-  parallel_for(std::ssize(start_gradients_), kEnergyGrain, [&](std::int64_t e) {
-    start_gradients_[e] = elements_[e].rest.deformation(corners(static_cast<Index>(e), step.positions));
-  });
+  elements_.begin(step.positions);
   cloth_.begin(step.positions);
   terms_ = springs_;
   for (std::size_t s = 0; s < springs_.size(); ++s) {
@@ -150,58 +131,10 @@ void IncrementalPotential::renew_friction(std::span<const Vec3> x, bool first) {
   }
 }
 
-StencilPositions<4> IncrementalPotential::corners(Index e, std::span<const Vec3> x) const {
-  return gather(model_.mesh.elements()[e], x);
-}
-
-/// Calls visit with each energy density of an element.
-template <typename Visit>
-void IncrementalPotential::visit_densities(Index e, const Visit& visit) const {
-  const Element& element = elements_[e];
-  std::visit(visit, element.material);
-  const double damping = element_damping_[e];
-  if (!(damping > 0)) return;
-  const Eigen::Matrix3d& start = start_gradients_[e];
-  if (const auto* solid = std::get_if<NeoHookean>(&element.material))
-    visit(StrainDamping<3>{damping * solid->mu, damping * solid->lambda, start.transpose() * start});
-  else
-    visit(VolumeSpring{damping * std::get<VolumeSpring>(element.material).stiffness, start.determinant()});
-}
-
-double IncrementalPotential::element_energy(Index e, std::span<const Vec3> x) const {
-  const RestSimplex<3>& rest = elements_[e].rest;
-  const Eigen::Matrix3d f = rest.deformation(corners(e, x));
-  double sum = 0;
-  visit_densities(e, [&](const auto& density) { sum += density.energy_density(f); });
-  return rest.size * sum;
-}
-
-StencilGradient<4> IncrementalPotential::element_gradient(Index e, std::span<const Vec3> x) const {
-  const RestSimplex<3>& rest = elements_[e].rest;
-  const Eigen::Matrix3d f = rest.deformation(corners(e, x));
-  Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();
-  visit_densities(e, [&](const auto& density) { stress += density.first_piola(f); });
-  return rest.gradient_of(stress);
-}
-
-IncrementalPotential::ElementDerivatives IncrementalPotential::element_derivatives(Index e, std::span<const Vec3> x,
-                                                                                   bool exact) const {
-  const RestSimplex<3>& rest = elements_[e].rest;
-  const Eigen::Matrix3d f = rest.deformation(corners(e, x));
-  Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();
-  DeformationHessian<3> hessian = DeformationHessian<3>::Zero();
-  visit_densities(e, [&](const auto& density) {
-    stress += density.first_piola(f);
-    hessian += exact ? density.hessian(f) : density.positive_hessian(f);
-  });
-  return {rest.gradient_of(stress), rest.hessian_of(hessian)};
-}
-
 double IncrementalPotential::energy(std::span<const Vec3> x) const {
   const double inertia =
       ordered_sum(vertex_count(), [&](std::int64_t v) { return masses_[v] / 2 * (x[v] - targets_[v]).squaredNorm(); });
-  const double elastic =
-      ordered_sum(std::ssize(elements_), [&](std::int64_t e) { return element_energy(static_cast<Index>(e), x); });
+  const double elastic = elements_.energy(x);
   const double cloth =
       ordered_sum(cloth_.count(), [&](std::int64_t t) { return cloth_.energy(static_cast<Index>(t), x); });
   return inertia + elastic + cloth +
@@ -209,9 +142,8 @@ double IncrementalPotential::energy(std::span<const Vec3> x) const {
 }
 
 void IncrementalPotential::find_gradient(std::span<const Vec3> x, Eigen::VectorXd& gradient) const {
-  std::vector<StencilGradient<4>> of_elements(elements_.size());
-  parallel_for(std::ssize(elements_), kEnergyGrain,
-               [&](std::int64_t e) { of_elements[e] = element_gradient(static_cast<Index>(e), x); });
+  std::vector<ElementGradient> of_elements;
+  elements_.find_gradients(x, of_elements);
   std::vector<StencilGradient<4>> of_cloth(cloth_.count());
   parallel_for(std::ssize(of_cloth), kEnergyGrain,
                [&](std::int64_t t) { of_cloth[t] = cloth_.gradient(static_cast<Index>(t), x); });
@@ -222,7 +154,8 @@ void IncrementalPotential::find_gradient(std::span<const Vec3> x, Eigen::VectorX
     Eigen::Vector3d sum = masses_[v] * (x[v] - targets_[v]);
     for (const Index e : model_.mesh.vertex_elements(v)) {
       const auto& element = model_.mesh.elements()[e];
-      sum += of_elements[e].col(std::find(element.begin(), element.end(), v) - element.begin());
+      sum += gradient_of(of_elements[e].of_vertex,
+                         static_cast<int>(std::find(element.begin(), element.end(), v) - element.begin()));
     }
     for (const Index t : cloth_.terms_of(v)) {
       const auto vertices = cloth_.vertices_of(t);
@@ -236,92 +169,8 @@ void IncrementalPotential::find_gradient(std::span<const Vec3> x, Eigen::VectorX
   });
 }
 
-void IncrementalPotential::renew_pattern(BlockMatrix& matrix) {
-  std::vector<std::span<const Index>> groups;
-  for (const OffsetTerm& term : terms_) groups.push_back(term.vertex_span());
-  for (Index t = 0; t < cloth_.count(); ++t) groups.push_back(cloth_.vertices_of(t));
-  matrix = make_block_matrix(vertex_count(), model_.mesh.elements(), groups);
-  element_blocks_.resize(elements_.size());
-  parallel_for(std::ssize(elements_), kEnergyGrain, [&](std::int64_t e) {
-    const auto& element = model_.mesh.elements()[e];
-    for (int i = 0; i < 4; ++i)
-      for (int j = 0; j < 4; ++j) element_blocks_[e][4 * i + j] = matrix.find(element[i], element[j]);
-  });
-  pattern_is_old_ = false;
-}
-
-bool IncrementalPotential::assemble(std::span<const Vec3> x, bool exact, Eigen::VectorXd& gradient,
-                                    BlockMatrix& matrix) {
-  const bool renews = pattern_is_old_ || matrix.first.empty();
-  if (renews) renew_pattern(matrix);
-  parallel_for(std::ssize(elements_), kEnergyGrain,
-               [&](std::int64_t e) { element_derivatives_[e] = element_derivatives(static_cast<Index>(e), x, exact); });
-  parallel_for(std::ssize(terms_), kTermGrain,
-               [&](std::int64_t t) { term_derivatives_[t] = terms_[t].derivatives(terms_[t].offset(x)); });
-  parallel_for(std::ssize(cloth_derivatives_), kEnergyGrain,
-               [&](std::int64_t t) { cloth_derivatives_[t] = cloth_.derivatives(static_cast<Index>(t), x, exact); });
-  gradient.setZero(3 * Eigen::Index{vertex_count()});
-  parallel_for(vertex_count(), kTermGrain, [&](std::int64_t row) {
-    const auto v = static_cast<Index>(row);
-    for (std::int64_t i = matrix.first[v]; i < matrix.first[v + 1]; ++i) matrix.blocks[i].setZero();
-    Eigen::Matrix3d& diagonal = matrix.blocks[matrix.find(v, v)];
-    if (!is_free(v)) {
-      diagonal.setIdentity();
-      return;
-    }
-    Eigen::Vector3d sum = masses_[v] * (x[v] - targets_[v]);
-    diagonal = masses_[v] * Eigen::Matrix3d::Identity();
-    for (const Index e : model_.mesh.vertex_elements(v)) {
-      const auto& element = model_.mesh.elements()[e];
-      const auto i = std::find(element.begin(), element.end(), v) - element.begin();
-      sum += element_derivatives_[e].gradient.col(i);
-      for (int j = 0; j < 4; ++j)
-        if (is_free(element[j]))
-          matrix.blocks[element_blocks_[e][4 * i + j]] += element_derivatives_[e].hessian.block<3, 3>(3 * i, 3 * j);
-    }
-    add_cloth_row(v, matrix, sum);
-    for (const Index t : terms_of(v)) {
-      const OffsetTerm& term = terms_[t];
-      const int i = term.place_of(v);
-      sum += term.weights[i] * term_derivatives_[t].gradient;
-      for (int j = 0; j < term.count; ++j)
-        if (is_free(term.vertices[j]))
-          matrix.blocks[matrix.find(v, term.vertices[j])] +=
-              term.weights[i] * term.weights[j] * term_derivatives_[t].hessian;
-    }
-    gradient.segment<3>(3 * row) = sum;
-  });
-  return renews;
-}
-
-/// What cloth adds to the row of a free vertex.
-void IncrementalPotential::add_cloth_row(Index v, BlockMatrix& matrix, Eigen::Vector3d& sum) const {
-  for (const Index t : cloth_.terms_of(v)) {
-    const auto vertices = cloth_.vertices_of(t);
-    const auto i = std::find(vertices.begin(), vertices.end(), v) - vertices.begin();
-    sum += cloth_derivatives_[t].gradient.col(i);
-    for (std::size_t j = 0; j < vertices.size(); ++j)
-      if (is_free(vertices[j]))
-        matrix.blocks[matrix.find(v, vertices[j])] += cloth_derivatives_[t].hessian.block<3, 3>(3 * i, 3 * j);
-  }
-}
-
 VertexDerivatives IncrementalPotential::inertia_by_vertex(std::span<const Vec3> x, Index v) const {
   return {masses_[v] * (x[v] - targets_[v]), masses_[v] * Eigen::Matrix3d::Identity()};
-}
-
-void IncrementalPotential::add_element_by_vertex(std::span<const Vec3> x, Index e, Index v,
-                                                 VertexDerivatives& sum) const {
-  const auto& element = model_.mesh.elements()[e];
-  const auto k = static_cast<int>(std::find(element.begin(), element.end(), v) - element.begin());
-  const RestSimplex<3>& rest = elements_[e].rest;
-  const Eigen::Matrix3d f = rest.deformation(corners(e, x));
-  const Eigen::Vector3d b = rest.by_vertex(k);
-  visit_densities(e, [&](const auto& density) {
-    const VertexDerivatives own = density.by_vertex(f, b);
-    sum.gradient += rest.size * own.gradient;
-    sum.hessian += rest.size * own.hessian;
-  });
 }
 
 void IncrementalPotential::add_terms_by_vertex(std::span<const Vec3> x, Index v, VertexDerivatives& sum) const {
@@ -336,7 +185,7 @@ void IncrementalPotential::add_terms_by_vertex(std::span<const Vec3> x, Index v,
 
 VertexDerivatives IncrementalPotential::by_vertex(std::span<const Vec3> x, Index v) const {
   VertexDerivatives sum = inertia_by_vertex(x, v);
-  for (const Index e : model_.mesh.vertex_elements(v)) add_element_by_vertex(x, e, v, sum);
+  for (const Index e : model_.mesh.vertex_elements(v)) elements_.add_by_vertex(x, e, v, sum);
   for (const Index t : cloth_.terms_of(v)) cloth_.add_by_vertex(x, t, v, sum);
   add_terms_by_vertex(x, v, sum);
   return sum;

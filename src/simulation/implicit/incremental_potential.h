@@ -1,15 +1,12 @@
 #pragma once
 
-#include "elasticity/neo_hookean.h"
-#include "elasticity/strain_damping.h"
-#include "elasticity/volume_spring.h"
+#include "simulation/elements/element_edges.h"
+#include "simulation/elements/element_terms.h"
 #include "simulation/implicit/block_matrix.h"
 #include "simulation/implicit/cloth_terms.h"
 #include "simulation/implicit/offset_term.h"
 #include "simulation/step.h"
 #include "simulation/step_vertex.h"
-
-#include <variant>
 
 namespace selvage {
 
@@ -51,12 +48,12 @@ class IncrementalPotential {
 
   /// Gradient and Hessian by one vertex that is free.
   VertexDerivatives by_vertex(std::span<const Vec3> x, Index v) const;
-  /// Its parts, in their order: inertia, each element of the vertex, cloth(), and springs, damping of springs and
+  /// Its parts, in their order: inertia, elements(), cloth(), and springs, damping of springs and
   /// contacts.
   VertexDerivatives inertia_by_vertex(std::span<const Vec3> x, Index v) const;
-  void add_element_by_vertex(std::span<const Vec3> x, Index element, Index v, VertexDerivatives& sum) const;
   void add_terms_by_vertex(std::span<const Vec3> x, Index v, VertexDerivatives& sum) const;
 
+  const ElementTerms& elements() const { return elements_; }
   const ClothTerms& cloth() const { return cloth_; }
   bool is_free(Index v) const { return masses_[v] > 0; }
   /// Mass over the squared step, 0 for held vertices [N/m].
@@ -71,36 +68,18 @@ class IncrementalPotential {
   }
 
  private:
-  /// Energies of an element.
-  struct Element {
-    RestSimplex<3> rest;
-    std::variant<NeoHookean, VolumeSpring> material;
-  };
-  /// Derivatives of one, by its vertices.
-  struct ElementDerivatives {
-    StencilGradient<4> gradient;
-    StencilHessian<4> hessian;
-  };
-
-  void add_body(const Body& body);
   void add_springs(const Body& body);
-  void add_damping();
   void join_terms();
+  void find_fixed_pattern();
   void renew_pattern(BlockMatrix& matrix);
+  void add_elements(BlockMatrix& matrix) const;
+  void finish_row(Index v, BlockMatrix& matrix, Eigen::Matrix3d& diagonal) const;
+  Eigen::Vector3d element_pull(Index v) const;
   void add_cloth_row(Index v, BlockMatrix& matrix, Eigen::Vector3d& sum) const;
-  template <typename Visit>
-  void visit_densities(Index e, const Visit& visit) const;
-  double element_energy(Index e, std::span<const Vec3> x) const;
-  StencilGradient<4> element_gradient(Index e, std::span<const Vec3> x) const;
-  ElementDerivatives element_derivatives(Index e, std::span<const Vec3> x, bool exact) const;
-  StencilPositions<4> corners(Index e, std::span<const Vec3> x) const;
 
   const Model& model_;
   double time_step_;
-  std::vector<Element> elements_;
-  std::vector<double> element_damping_;  ///< (n_elements) Material::damping over the step
-  std::vector<Eigen::Matrix3d>
-      start_gradients_;                 ///< (n_elements) at the start of the step; empty where no body is damped
+  ElementTerms elements_;
   std::vector<double> rest_stiffness_;  ///< (n_vertices) of elements and springs [N/m]
   ClothTerms cloth_;
   std::vector<OffsetTerm> springs_;
@@ -113,7 +92,12 @@ class IncrementalPotential {
   std::vector<std::size_t> term_first_;
   std::vector<Index> term_of_vertex_;
   bool pattern_is_old_ = true, pattern_has_pairs_ = false;
-  std::vector<std::array<std::int64_t, 16>> element_blocks_;
+
+  // Of the matrix; empty before the first.
+  BlockMatrix fixed_pattern_;  ///< without contacts, without blocks
+  ElementEdges edges_;
+  std::vector<std::array<std::int64_t, 2>> edge_blocks_;  ///< (n_edges) above the diagonal, and below
+  std::vector<std::int64_t> other_blocks_;                ///< those of no edge
 
   std::vector<ElementDerivatives> element_derivatives_;
   std::vector<OffsetTerm::Derivatives> term_derivatives_;

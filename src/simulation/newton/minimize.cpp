@@ -8,11 +8,11 @@ namespace selvage {
 namespace {
 
 constexpr double kSufficient = 1e-4;
-constexpr int kHalvings = 30;
+constexpr int kMaxHalvings = 30;
 /// Newton steps in which friction follows the normal forces; then it is fixed, so that one function is minimised.
 constexpr int kFrictionSteps = 3;
 /// Part of an energy that is rounding.
-constexpr double kEnergyRounding = 1e-13;
+constexpr double kObjectiveRounding = 1e-13;
 
 double largest_move(const Eigen::VectorXd& step) {
   double squared = 0;
@@ -30,11 +30,11 @@ double search(const IncrementalPotential& potential, std::span<const Vec3> x, co
               std::vector<Vec3>& next) {
   const double before = potential.energy(x);
   double share = 1;
-  for (int i = 0; i <= kHalvings; ++i, share /= 2) {
+  for (int i = 0; i <= kMaxHalvings; ++i, share /= 2) {
     move(x, step, share, next);
     const double after = potential.energy(next);
     if (after <= before + kSufficient * share * slope) break;
-    if (-share * slope <= kEnergyRounding * std::abs(before) && std::isfinite(after)) break;
+    if (-share * slope <= kObjectiveRounding * std::abs(before) && std::isfinite(after)) break;
   }
   return share;
 }

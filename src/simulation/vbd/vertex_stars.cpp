@@ -95,7 +95,7 @@ void VertexStars::differentiate(const IncrementalPotential& potential, std::span
   hessian << xx + isotropic_[i], xy, xz, xy, yy + isotropic_[i], yz, xz, yz, zz + isotropic_[i];
   sum.hessian += hessian;
   for (std::int64_t n = first_others_[i]; n < first_others_[i + 1]; ++n)
-    potential.add_element_by_vertex(x, others_[n], v, sum);
+    potential.elements().add_by_vertex(x, others_[n], v, sum);
   derivatives.quadratic = sum;
   derivatives.cloth_energy = cloth_.add(x, i, sum, derivatives.quadratic);
   contacts_.add(x, i, sum, derivatives.contacts);
