@@ -21,12 +21,27 @@ def solid(modulus: float, density: float) -> dict[str, Any]:
     return {"youngs_modulus": modulus, "poisson_ratio": 0.4, "density": density}
 
 
+def falling(mesh: dict[str, Any], material: dict[str, Any], height: float, seed: int) -> dict[str, Any]:
+    """Two of a body side by side."""
+    return {
+        "mesh": mesh,
+        "translate": [-0.4, 0, height],
+        "instances": {
+            "grid": {"counts": [2, 1, 1], "spacing": [0.8, 1, 1]},
+            "jitter": {"translate": 0.05, "degrees": 40, "seed": seed},
+        },
+        "material": material,
+    }
+
+
 def scenes() -> dict[str, dict[str, Any]]:
     """All end at rest on a floor."""
     ball = {"shape": "ball", "radius": 0.2, "cell": 0.08}
     cube = {"shape": "box", "size": [0.4, 0.4, 0.4], "cell": 0.1}
     sheet = {"shape": "cloth", "size": [1, 1, 0], "cell": 0.05}
     grid = {"counts": [2, 2, 2], "spacing": [0.41, 0.41, 0.45]}
+    octopus = {"shape": "octopus", "radius": 0.5, "slenderness": 2, "elements": 10800, "seed": 3}
+    torus = {"shape": "torus", "radius": 0.25, "inner_radius": 0.1, "cell": 0.06}
     return {
         "eight soft balls fall into a box": {
             "bodies": [
@@ -46,6 +61,29 @@ def scenes() -> dict[str, dict[str, Any]]:
                 {"mesh": cube, "translate": [0, 0.02, 0.83], "material": solid(2e5, 1500)},
             ],
             "colliders": [FLOOR],
+        },
+        "a heap of 200 to 1,500 kg/m3 in a box": {
+            "bodies": [
+                {"mesh": octopus, "translate": [0, 0, 0.5], "material": solid(1e5, 200)},
+                falling(cube, solid(5e5, 1000), 1.1, 2),
+                falling(torus, solid(1e6, 200), 1.6, 3),
+                falling(ball, solid(2e5, 1500), 2.1, 4),
+            ],
+            "colliders": [{"box": {"min": [-0.9, -0.9, 0], "max": [0.9, 0.9, 6]}}],
+        },
+        "two octopi in a box": {
+            "bodies": [
+                {
+                    "mesh": octopus,
+                    "translate": [0, 0, 0.5],
+                    "instances": {
+                        "grid": {"counts": [1, 1, 2], "spacing": [1, 1, 0.5]},
+                        "jitter": {"translate": 0.02, "degrees": 20, "seed": 8},
+                    },
+                    "material": solid(1e5, 1000),
+                }
+            ],
+            "colliders": [{"box": {"min": [-0.6, -0.6, 0], "max": [0.6, 0.6, 6]}}],
         },
         "three sheets on a ball": {
             "bodies": [
@@ -88,10 +126,14 @@ def main() -> None:
     """Prints a table a scene."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--frames", type=int, default=180, help="of 1/60 s; the last sixth counts as at rest")
-    frames = parser.parse_args().frames
+    parser.add_argument("--scene", default="", help="only those whose name has this in it")
+    arguments = parser.parse_args()
+    frames = arguments.frames
     print(f"Python {platform.python_version()}, {platform.processor() or platform.machine()}, {os.cpu_count()} cores")
     print(f"selvage {selvage.__version__}, {frames} frames, one thread")
     for name, scene in scenes().items():
+        if arguments.scene not in name:
+            continue
         print(f"\n{name}:\n")
         print(
             "| solver | user CPU [s/frame] | most pairs | pairs at the end | fastest at rest [m/s] "

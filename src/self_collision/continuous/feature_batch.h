@@ -150,10 +150,9 @@ class FeatureBatch {
     if (input_.margin > 0) return list_near(apart);
     for (unsigned rest = ~apart & ((1u << count_) - 1); rest != 0; rest &= rest - 1) {
       const FeaturePair& pair = pairs_[lowest_lane(rest)];
-      if (stay_apart_by_axis(input_, pair.vertices, kFirst)) continue;
       if (are_still(input_, pair.vertices))
         open_.decide(pair, false);
-      else
+      else if (!stay_apart_by_axis(input_, pair.vertices, kFirst))
         open_.add(pair);
     }
     count_ = 0;
