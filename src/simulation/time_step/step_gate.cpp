@@ -2,7 +2,7 @@
 
 #include "core/parallel.h"
 #include "elasticity/deformation_gradient.h"
-#include "simulation/rigid_motion.h"
+#include "selvage/geometry/closest_point.h"
 
 #include <algorithm>
 #include <map>
@@ -20,44 +20,25 @@ constexpr double kCollapseShare = 0.6;
 /// is left; then nothing at all.
 constexpr int kImpactRounds = 2, kScaledRounds = 4, kBaseRounds = 7;
 constexpr double kStands = -1, kStandsAlways = -2;
+/// Rounds in which a zone is bent between carriers that move apart. Later the first of them carries it, so that the
+/// rounds end.
+constexpr int kBentRounds = 12;
 /// Rounding of positions against sizes of elements: farther away than their ratio the sign of a volume means nothing.
 constexpr double kRounding = 0x1p-40;
 constexpr double kImpactShare = 0.9, kLaterShare = 0.25;
 
-RigidMotion motion_of(const RigidTransform& carrier) {
-  return {
-      .linear = carrier.rotation - Eigen::Matrix3d::Identity(), .centre = Vec3::Zero(), .shift = carrier.translation};
+/// Where two segments are nearest: the places on both, from 0 to 1. Of parallel ones any.
+std::array<double, 2> nearest_places(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  const Vec3 u = b - a, v = d - c, w = a - c;
+  const double uu = u.dot(u), uv = u.dot(v), vv = v.dot(v), uw = u.dot(w), vw = v.dot(w);
+  const double sine = uu * vv - uv * uv;
+  double s = sine > 0 ? std::clamp((uv * vw - vv * uw) / sine, 0.0, 1.0) : 0.5;
+  const double t = vv > 0 ? std::clamp((uv * s + vw) / vv, 0.0, 1.0) : 0.5;
+  s = uu > 0 ? std::clamp((uv * t - uw) / uu, 0.0, 1.0) : 0.5;
+  return {s, t};
 }
 
 }  // namespace
-
-/// Sums over the vertices of a zone.
-struct StepGate::Zone {
-  Index carrier = kNone;  ///< the least
-  std::vector<Index> vertices;
-
-  void follow(Index other) {
-    if (other != kNone && (carrier == kNone || other < carrier)) carrier = other;
-  }
-
-  /// The rigid displacement with the zone's momentum and angular momentum.
-  RigidMotion free_motion(const Model& model, const Step& step, std::span<const Vec3> targets) const {
-    const Index first = vertices.front();
-    MomentumSums sums(step.positions[first], targets[first] - step.positions[first]);
-    for (const Index v : vertices)
-      sums.add(1 / model.inverse_masses[v], step.positions[v], targets[v] - step.positions[v]);
-    return sums.motion();
-  }
-
-  /// The rigid displacement of a zone that a key-framed collider carries along.
-  template <typename Carry>
-  RigidMotion carried_motion(const Step& step, Carry&& carry) const {
-    const Vec3& first = step.positions[vertices.front()];
-    MomentumSums sums(first, carry(first) - first);
-    for (const Index v : vertices) sums.add(1, step.positions[v], carry(step.positions[v]) - step.positions[v]);
-    return sums.motion();
-  }
-};
 
 StepGate::StepGate(const Model& model, Index contact_vertex_count, bool is_strict)
     : model_(model), is_strict_(is_strict) {
@@ -124,14 +105,12 @@ Index StepGate::root_of(Index vertex) {
 
 /// Puts vertices into one zone, in which something happens at a time. Those of colliders are not in it: two zones that
 /// touch one collider stay two.
-void StepGate::join(std::span<const Index> all, double time, const Carriers& carriers) {
+void StepGate::join(std::span<const Index> all, double time) {
   std::array<Index, 4> of_model{};
   int count = 0;
   for (const Index v : all)
     if (is_of_model(v)) of_model[count++] = v;
   const auto vertices = std::span(of_model).first(count);
-  for (const Index v : all)
-    if (!is_of_model(v)) touched_.push_back({vertices.front(), carriers.of_vertex[v]});
   for (const Index v : vertices) {
     if (parents_[v] != kNone) continue;
     parents_[v] = v;
@@ -149,21 +128,60 @@ void StepGate::join(std::span<const Index> all, double time, const Carriers& car
   times_[root] = std::min(times_[root], time);
 }
 
-void StepGate::join_violations(const TriangleMesh& surface, const Carriers& carriers) {
+/// Notes where two primitives, with weights of 1 in the first and -1 in the second together, touch.
+void StepGate::touch(std::span<const Index> vertices, std::span<const double> weights, const Step& step,
+                     const Carriers& carriers, std::span<const StepVertex> positions) {
+  if (std::all_of(vertices.begin(), vertices.end(), [&](Index v) { return is_of_model(v); })) return;
+  ZoneTouch touch;
+  double of_model = 0;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const Index v = vertices[i];
+    if (is_of_model(v)) {
+      touch.vertices[touch.count] = v;
+      touch.weights[touch.count++] = weights[i];
+      of_model += weights[i];
+    } else {
+      touch.carrier = carriers.of_vertex[v];
+      touch.point -= weights[i] * step.positions[v];
+      touch.way -= weights[i] * (position(positions[v]) - step.positions[v]);
+    }
+  }
+  if (of_model < 0) {
+    touch.point = -touch.point;
+    touch.way = -touch.way;
+    for (double& w : touch.weights) w = -w;
+  }
+  touches_.push_back(touch);
+}
+
+void StepGate::join_violations(const TriangleMesh& surface, const Step& step, const Carriers& carriers,
+                               std::span<const StepVertex> positions) {
+  const auto at = [&](Index v, double time) {
+    return Vec3(step.positions[v] + time * (candidate_[v] - step.positions[v]));
+  };
   for (std::size_t i = 0; i < impacts_.pairs.vertex_face.size(); ++i) {
     const auto& [vertex, face] = impacts_.pairs.vertex_face[i];
     const auto& t = surface.triangles()[face];
-    join(std::array{vertex, t[0], t[1], t[2]}, kImpactShare * impacts_.face_times[i], carriers);
+    const std::array all{vertex, t[0], t[1], t[2]};
+    const double time = impacts_.face_times[i];
+    join(all, kImpactShare * time);
+    const auto closest = closest_point_on_triangle(at(vertex, time), at(t[0], time), at(t[1], time), at(t[2], time));
+    touch(all, std::array{1.0, -closest.barycentric[0], -closest.barycentric[1], -closest.barycentric[2]}, step,
+          carriers, positions);
   }
   for (std::size_t i = 0; i < impacts_.pairs.edge_edge.size(); ++i) {
     const auto& a = surface.edges()[impacts_.pairs.edge_edge[i].first];
     const auto& b = surface.edges()[impacts_.pairs.edge_edge[i].second];
-    join(std::array{a[0], a[1], b[0], b[1]}, kImpactShare * impacts_.edge_times[i], carriers);
+    const std::array all{a[0], a[1], b[0], b[1]};
+    const double time = impacts_.edge_times[i];
+    join(all, kImpactShare * time);
+    const auto [s, t] = nearest_places(at(a[0], time), at(a[1], time), at(b[0], time), at(b[1], time));
+    touch(all, std::array{1 - s, s, t - 1, -t}, step, carriers, positions);
   }
-  for (const Index e : collapsing_) join(model_.mesh.elements()[e], kCollapseShare, carriers);
+  for (const Index e : collapsing_) join(model_.mesh.elements()[e], kCollapseShare);
   for (const auto& [vertex, collider] : entries_) {
-    join(std::array{vertex}, kCollapseShare, carriers);
-    touched_.push_back({vertex, carriers.of_collider(collider)});
+    join(std::array{vertex}, kCollapseShare);
+    touches_.push_back(touch_of_vertex(vertex, carriers.of_collider(collider), step, carriers));
   }
 }
 
@@ -178,38 +196,30 @@ void StepGate::scale_zones(int round) {
 }
 
 /// False: no vertex has moved.
-bool StepGate::move_zones(const Step& step, const Carriers& carriers, std::span<StepVertex> vertices) {
-  std::map<Index, Zone> zones;
-  for (const Index v : members_) {
-    Zone& zone = zones[root_of(v)];
-    zone.vertices.push_back(v);
-    zone.follow(carriers.of_vertex[v]);
+bool StepGate::move_zones(int round, const Step& step, const Carriers& carriers, std::span<StepVertex> vertices) {
+  std::map<Index, GateZone> zones;
+  std::sort(members_.begin(), members_.end());
+  for (const Index v : members_) zones[root_of(v)].vertices.push_back(v);
+  for (auto& [root, zone] : zones) {
+    if (shares_[root] == kStandsAlways) continue;
+    for (const Index v : zone.vertices)
+      if (carriers.of_vertex[v] != kNone) zone.add(touch_of_vertex(v, carriers.of_vertex[v], step, carriers));
   }
-  for (const auto& [v, carrier] : touched_) zones[root_of(v)].follow(carrier);
+  for (const ZoneTouch& touch : touches_) {
+    const Index root = root_of(touch.vertices[0]);
+    if (shares_[root] != kStandsAlways) zones[root].add(touch);
+  }
   bool any_moved = false;
   for (const auto& [root, zone] : zones) {
-    const bool stands = shares_[root] < 0;
     const double share = std::max(shares_[root], 0.0);
-    RigidMotion base;
-    const bool is_carried = zone.carrier != kNone && shares_[root] != kStandsAlways;
-    const PreparedCollider* keyframed = is_carried ? carriers.keyframed(zone.carrier) : nullptr;
-    const auto carry = [&](const Vec3& p) {
-      return keyframed->motion.at(step.end_time)(keyframed->carry(keyframed->motion.at(step.start_time).invert(p)));
-    };
-    if (keyframed != nullptr) {
-      base = zone.carried_motion(step, carry);
-    } else if (is_carried) {
-      base = motion_of(carriers.motions[zone.carrier]);
-    } else if (!stands) {
-      base = zone.free_motion(model_, step, targets_);
-    }
-    for (const Index v : zone.vertices) {
+    const auto ways = zone.base_ways(model_, step, carriers, targets_, shares_[root] < 0, round < kBentRounds);
+    for (std::size_t i = 0; i < ways.size(); ++i) {
+      const Index v = zone.vertices[i];
       if (!(vertices[v].inverse_mass > 0)) continue;
-      const Vec3 from =
-          keyframed != nullptr && stands ? carry(step.positions[v]) : Vec3(step.positions[v] + base(step.positions[v]));
+      const Vec3 from = step.positions[v] + ways[i];
       const Vec3 to = from + share * (targets_[v] - from);
       any_moved |= position(vertices[v]) != to;
-      for (int i = 0; i < 3; ++i) vertices[v].position[i] = to[i];
+      for (int k = 0; k < 3; ++k) vertices[v].position[k] = to[k];
     }
   }
   return any_moved;
@@ -261,11 +271,12 @@ GateStatistics StepGate::hold_back(ContactFinder& finder, const Step& step, cons
   targets_.resize(vertices.size());
   parallel_for(std::ssize(vertices), kGrain, [&](std::int64_t v) { targets_[v] = position(vertices[v]); });
   for (; has_violations(); ++statistics.rounds) {
-    join_violations(finder.surface(), carriers);
-    scale_zones(static_cast<int>(statistics.rounds));
-    const bool any_moved = move_zones(step, carriers, vertices);
-    if (!any_moved && statistics.rounds > kBaseRounds &&
-        !(is_strict_ && stop_carried_zones(finder.surface()) && move_zones(step, carriers, vertices)))
+    const auto round = static_cast<int>(statistics.rounds);
+    join_violations(finder.surface(), step, carriers, vertices);
+    scale_zones(round);
+    const bool any_moved = move_zones(round, step, carriers, vertices);
+    if (!any_moved && round > kBaseRounds &&
+        !(is_strict_ && stop_carried_zones(finder.surface()) && move_zones(round, step, carriers, vertices)))
       break;
     find_collapsing_elements(step, vertices);
     find_impacts(finder, vertices);
@@ -278,7 +289,7 @@ GateStatistics StepGate::hold_back(ContactFinder& finder, const Step& step, cons
     parents_[v] = kNone;
   }
   members_.clear();
-  touched_.clear();
+  touches_.clear();
   return statistics;
 }
 

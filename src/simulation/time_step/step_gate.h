@@ -2,29 +2,9 @@
 
 #include "selvage/contact/contact_finder.h"
 #include "selvage/simulation/model.h"
-#include "selvage/simulation/motion.h"
-#include "simulation/colliders/project_colliders.h"
-#include "simulation/step.h"
-#include "simulation/step_vertex.h"
+#include "simulation/time_step/gate_zone.h"
 
 namespace selvage {
-
-/// What moves vertices whatever bodies do: for each vertex the motion of the handle that holds it or of the collider
-/// that it touches in this step.
-struct Carriers {
-  std::vector<RigidTransform> motions;  ///< from the start of the step to its end; those of colliders last
-  std::vector<Index> of_vertex;         ///< (n_contact_vertices) kNone: free
-  std::span<const PreparedCollider> colliders;
-  std::span<const double> max_corrections;  ///< (n_contact_vertices) [m]
-
-  Index of_collider(Index collider) const { return static_cast<Index>(motions.size() - colliders.size()) + collider; }
-
-  /// The collider that a carrier is, where that changes its form: null for all others.
-  const PreparedCollider* keyframed(Index carrier) const {
-    const Index collider = carrier - of_collider(0);
-    return collider >= 0 && colliders[collider].surface_motion ? &colliders[collider] : nullptr;
-  }
-};
 
 /// Counts of one step.
 struct GateStatistics {
@@ -47,7 +27,8 @@ struct GateStatistics {
 /// rigid motion that keeps the zone's momentum and angular momentum. The motion of its vertices relative to the base is
 /// scaled down, more from round to round; under the base motion alone, which is affine, nothing in the zone can meet.
 /// A key-framed collider carries a zone by the rigid motion nearest to that of its surface around; in the last rounds
-/// each vertex by that of the place nearest to it.
+/// each vertex by that of the place nearest to it. What several carriers with different motions touch is bent between
+/// them.
 /// Zones that meet others are merged. In the last rounds a zone stands still, or moves with what carries it; the rounds
 /// end when nothing meets, or a round changes nothing. They do end: zones only grow, and there are only so many.
 ///
@@ -72,20 +53,21 @@ class StepGate {
                            std::span<StepVertex> vertices);
 
  private:
-  struct Zone;
-
   void find_collapsing_elements(const Step& step, std::span<const StepVertex> vertices);
   void find_impacts(ContactFinder& finder, std::span<const StepVertex> vertices);
   void find_entries(const Step& step, const Carriers& carriers, std::span<const StepVertex> vertices);
   bool has_violations() const { return !impacts_.pairs.empty() || !collapsing_.empty() || !entries_.empty(); }
-  void join_violations(const TriangleMesh& surface, const Carriers& carriers);
+  void join_violations(const TriangleMesh& surface, const Step& step, const Carriers& carriers,
+                       std::span<const StepVertex> positions);
+  void touch(std::span<const Index> vertices, std::span<const double> weights, const Step& step,
+             const Carriers& carriers, std::span<const StepVertex> positions);
   bool stop_carried_zones(const TriangleMesh& surface);
   void report_left(const TriangleMesh& surface, GateStatistics& statistics) const;
-  void join(std::span<const Index> vertices, double time, const Carriers& carriers);
+  void join(std::span<const Index> vertices, double time);
   bool is_of_model(Index vertex) const { return vertex < model_.mesh.vertex_count(); }
   Index root_of(Index vertex);
   void scale_zones(int round);
-  bool move_zones(const Step& step, const Carriers& carriers, std::span<StepVertex> vertices);
+  bool move_zones(int round, const Step& step, const Carriers& carriers, std::span<StepVertex> vertices);
 
   const Model& model_;
   bool is_strict_;
@@ -96,13 +78,13 @@ class StepGate {
   std::vector<Index> collapsing_;       ///< elements, ascending
   std::vector<ColliderEntry> entries_;  ///< of vertices that have been held back
 
-  std::vector<Vec3> targets_;   ///< (n_vertices) end of the step as the solver left it
-  std::vector<Index> parents_;  ///< (n_vertices) of the union-find over vertices in zones; kNone: in none
-  std::vector<double> shares_;  ///< (n_vertices) of a root: the part of its zone's relative motion that is kept;
-                                ///< kStands: it stands but for what carries it; kStandsAlways: it stands
-  std::vector<double> times_;   ///< (n_vertices) of a root: the first impact in this round; 1: none
-  std::vector<Index> members_;  ///< vertices in zones
-  std::vector<std::pair<Index, Index>> touched_;  ///< a vertex in a zone, and the carrier that the zone meets there
+  std::vector<Vec3> targets_;       ///< (n_vertices) end of the step as the solver left it
+  std::vector<Index> parents_;      ///< (n_vertices) of the union-find over vertices in zones; kNone: in none
+  std::vector<double> shares_;      ///< (n_vertices) of a root: the part of its zone's relative motion that is kept;
+                                    ///< kStands: it stands but for what carries it; kStandsAlways: it stands
+  std::vector<double> times_;       ///< (n_vertices) of a root: the first impact in this round; 1: none
+  std::vector<Index> members_;      ///< vertices in zones
+  std::vector<ZoneTouch> touches_;  ///< of zones by what carries them
 };
 
 }  // namespace selvage

@@ -19,12 +19,14 @@ using namespace bodies;
 struct Attempt {
   Model model;
   std::vector<Vec3> start;
+  std::vector<double> corrections;
   std::vector<StepVertex> end;
   Carriers carriers;
 
-  explicit Attempt(Model m) : model(std::move(m)), start(model.rest_positions) {
+  explicit Attempt(Model m) : model(std::move(m)), start(model.rest_positions), corrections(max_corrections_of(model)) {
     carriers.motions = {RigidTransform()};
     carriers.of_vertex.assign(start.size(), kNone);
+    carriers.max_corrections = corrections;
     end.resize(start.size());
     for (Index v = 0; v < std::ssize(start); ++v) move(v, Vec3::Zero());
   }
@@ -163,6 +165,25 @@ TEST(StepGate, HoldsBackTheSameBitsForAnyNumberOfThreads) {
     if (first.empty()) first = attempt.positions();
     EXPECT_EQ(attempt.positions(), first);
   }
+}
+
+/// A layer of elements is inverted between two carriers that move towards one another: neither takes all of it along.
+TEST(StepGate, BendsAZoneBetweenCarriersThatMoveApart) {
+  Attempt attempt(make(make_box({0.3, 0.3, 0.1}, 0.1), neo_hookean(1e5)));
+  attempt.carriers.motions.push_back({Eigen::Matrix3d::Identity(), Vec3(0.01, 0, -0.02)});
+  for (Index v = 0; v < std::ssize(attempt.start); ++v) {
+    const bool is_upper = attempt.start[v][2] > 0.05;
+    attempt.carriers.of_vertex[v] = is_upper ? 1 : 0;
+    attempt.move(v, {0, 0, is_upper ? -0.12 : 0.0});
+  }
+  EXPECT_GT(attempt.inverted(), 10);
+  const auto statistics = attempt.pass();
+  ASSERT_TRUE(statistics);
+  EXPECT_EQ(statistics->impacts_left, 0);
+  EXPECT_EQ(attempt.inverted(), 0);
+  const std::vector<Vec3> now = attempt.positions();
+  for (Index v = 0; v < std::ssize(attempt.start); ++v)
+    EXPECT_LT(now[v][2] - attempt.start[v][2], attempt.start[v][2] > 0.05 ? -0.019 : 1e-12);
 }
 
 TEST(StepGate, MovesZonesWithWhatCarriesThem) {

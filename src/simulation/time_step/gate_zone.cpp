@@ -1,0 +1,116 @@
+#include "simulation/time_step/gate_zone.h"
+
+#include "simulation/rigid_motion.h"
+
+#include <algorithm>
+
+namespace selvage {
+
+namespace {
+
+/// Sweeps over the touches of a zone that is bent.
+constexpr int kSweeps = 30;
+
+RigidMotion motion_of(const RigidTransform& carrier) {
+  return {
+      .linear = carrier.rotation - Eigen::Matrix3d::Identity(), .centre = Vec3::Zero(), .shift = carrier.translation};
+}
+
+/// The rigid displacement nearest to those of some vertices, with weights.
+template <typename Mass, typename Way>
+RigidMotion rigid_motion(std::span<const Index> vertices, const Step& step, Mass&& mass, Way&& way) {
+  MomentumSums sums(step.positions[vertices.front()], way(vertices.front()));
+  for (const Index v : vertices) sums.add(mass(v), step.positions[v], way(v));
+  return sums.motion();
+}
+
+}  // namespace
+
+Vec3 Carriers::way(Index carrier, const Step& step, const Vec3& place) const {
+  const PreparedCollider* collider = keyframed(carrier);
+  if (collider == nullptr) return motion_of(motions[carrier])(place);
+  const Vec3 start = collider->motion.at(step.start_time).invert(place);
+  return collider->motion.at(step.end_time)(collider->carry(start)) - place;
+}
+
+ZoneTouch touch_of_vertex(Index vertex, Index carrier, const Step& step, const Carriers& carriers) {
+  const Vec3& place = step.positions[vertex];
+  return {.count = 1,
+          .vertices = {vertex},
+          .weights = {1},
+          .carrier = carrier,
+          .point = place,
+          .way = carriers.way(carrier, step, place)};
+}
+
+void GateZone::add(const ZoneTouch& touch) {
+  touches_.push_back(touch);
+  if (carrier_ == kNone || touch.carrier < carrier_) carrier_ = touch.carrier;
+}
+
+/// Whether carriers move apart where the zone touches them.
+bool GateZone::is_torn(const Step& step, const Carriers& carriers) const {
+  return std::any_of(touches_.begin(), touches_.end(), [&](const ZoneTouch& touch) {
+    if (touch.carrier == carrier_) return false;
+    const Vec3 apart = touch.way - carriers.way(carrier_, step, touch.point);
+    return apart.norm() > kContactGap * carriers.max_corrections[touch.vertices[0]];
+  });
+}
+
+/// Vertices go with the touches around them, the nearest most; then the touches are closed in turn.
+std::vector<Vec3> GateZone::bent_ways(const Model& model, const Step& step, const Carriers& carriers) const {
+  std::vector<Vec3> ways;
+  for (const Index v : vertices) {
+    const double least = kContactGap * carriers.max_corrections[v];
+    Vec3 sum = Vec3::Zero();
+    double weights = 0;
+    for (const ZoneTouch& touch : touches_) {
+      const double weight = 1 / std::max((step.positions[v] - touch.point).squaredNorm(), least * least);
+      sum += weight * touch.way;
+      weights += weight;
+    }
+    ways.push_back(sum / weights);
+  }
+  const auto way_of = [&](Index v) -> Vec3& {
+    return ways[std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin()];
+  };
+  for (int sweep = 0; sweep < kSweeps; ++sweep)
+    for (const ZoneTouch& touch : touches_) {
+      Vec3 error = touch.way;
+      double squares = 0;
+      for (int k = 0; k < touch.count; ++k) {
+        error -= touch.weights[k] * way_of(touch.vertices[k]);
+        if (model.inverse_masses[touch.vertices[k]] > 0) squares += touch.weights[k] * touch.weights[k];
+      }
+      for (int k = 0; k < touch.count; ++k)
+        if (model.inverse_masses[touch.vertices[k]] > 0)
+          way_of(touch.vertices[k]) += touch.weights[k] / squares * error;
+    }
+  return ways;
+}
+
+std::vector<Vec3> GateZone::base_ways(const Model& model, const Step& step, const Carriers& carriers,
+                                      std::span<const Vec3> targets, bool stands, bool may_bend) const {
+  if (may_bend && is_torn(step, carriers)) return bent_ways(model, step, carriers);
+  std::vector<Vec3> ways;
+  const auto carried = [&](Index v) { return carriers.way(carrier_, step, step.positions[v]); };
+  RigidMotion base;
+  if (carrier_ != kNone && carriers.keyframed(carrier_) != nullptr) {
+    if (stands) {
+      for (const Index v : vertices) ways.push_back(carried(v));
+      return ways;
+    }
+    base = rigid_motion(
+        vertices, step, [](Index) { return 1.0; }, carried);
+  } else if (carrier_ != kNone) {
+    base = motion_of(carriers.motions[carrier_]);
+  } else if (!stands) {
+    base = rigid_motion(
+        vertices, step, [&](Index v) { return 1 / model.inverse_masses[v]; },
+        [&](Index v) { return Vec3(targets[v] - step.positions[v]); });
+  }
+  for (const Index v : vertices) ways.push_back(base(step.positions[v]));
+  return ways;
+}
+
+}  // namespace selvage

@@ -1,0 +1,72 @@
+#pragma once
+
+#include "selvage/simulation/model.h"
+#include "selvage/simulation/motion.h"
+#include "simulation/colliders/project_colliders.h"
+#include "simulation/step.h"
+#include "simulation/step_vertex.h"
+
+#include <array>
+
+namespace selvage {
+
+/// What moves vertices whatever bodies do: for each vertex the motion of the handle that holds it or of the collider
+/// that it touches in this step.
+struct Carriers {
+  std::vector<RigidTransform> motions;  ///< from the start of the step to its end; those of colliders last
+  std::vector<Index> of_vertex;         ///< (n_contact_vertices) kNone: free
+  std::span<const PreparedCollider> colliders;
+  std::span<const double> max_corrections;  ///< (n_contact_vertices) [m]
+
+  Index of_collider(Index collider) const { return static_cast<Index>(motions.size() - colliders.size()) + collider; }
+
+  /// The collider that a carrier is, where that changes its form: null for all others.
+  const PreparedCollider* keyframed(Index carrier) const {
+    const Index collider = carrier - of_collider(0);
+    return collider >= 0 && colliders[collider].surface_motion ? &colliders[collider] : nullptr;
+  }
+
+  /// By how far a carrier moves in the step what is at a place at its start [m].
+  Vec3 way(Index carrier, const Step& step, const Vec3& place) const;
+};
+
+/// A point of a zone, a weighted mean of vertices, that touches what carries it.
+struct ZoneTouch {
+  int count = 0;
+  std::array<Index, 3> vertices{};  ///< of the model
+  std::array<double, 3> weights{};
+  Index carrier = kNone;
+  Vec3 point = Vec3::Zero();  ///< of the carrier, at the start of the step [m]
+  Vec3 way = Vec3::Zero();    ///< of that point in the step [m]
+};
+
+/// Where a carrier touches a vertex.
+ZoneTouch touch_of_vertex(Index vertex, Index carrier, const Step& step, const Carriers& carriers);
+
+/// Vertices that StepGate holds back together, and what carries them.
+class GateZone {
+ public:
+  std::vector<Index> vertices;
+
+  void add(const ZoneTouch& touch);
+
+  /// By how far the vertices go where their own motion is scaled down to nothing [m]. Of a zone that nothing carries:
+  /// by the rigid displacement that keeps its momentum and angular momentum. Else with its carrier: the first, or where
+  /// carriers move apart, bent so that what touches each of them goes with it.
+  ///
+  /// @param targets   (n_contact_vertices) end of the step as the solver left it [m]
+  /// @param stands    what nothing carries does not move, and each vertex follows the place of a key-framed collider
+  ///                  that is nearest to it, in place of the rigid motion nearest to that of all
+  /// @param may_bend  else the first carrier counts
+  std::vector<Vec3> base_ways(const Model& model, const Step& step, const Carriers& carriers,
+                              std::span<const Vec3> targets, bool stands, bool may_bend) const;
+
+ private:
+  bool is_torn(const Step& step, const Carriers& carriers) const;
+  std::vector<Vec3> bent_ways(const Model& model, const Step& step, const Carriers& carriers) const;
+
+  Index carrier_ = kNone;  ///< the least
+  std::vector<ZoneTouch> touches_;
+};
+
+}  // namespace selvage
