@@ -64,10 +64,10 @@ def scenes() -> dict[str, dict[str, Any]]:
         },
         "a heap of 200 to 1,500 kg/m3 in a box": {
             "bodies": [
-                {"mesh": octopus, "translate": [0, 0, 0.5], "material": solid(1e5, 200)},
-                falling(cube, solid(5e5, 1000), 1.1, 2),
-                falling(torus, solid(1e6, 200), 1.6, 3),
-                falling(ball, solid(2e5, 1500), 2.1, 4),
+                {"mesh": octopus, "translate": [0, 0, 0.6], "material": solid(1e5, 200)},
+                falling(cube, solid(5e5, 1000), 1.3, 2),
+                falling(torus, solid(1e6, 200), 2.3, 3),
+                falling(ball, solid(2e5, 1500), 2.9, 4),
             ],
             "colliders": [{"box": {"min": [-0.9, -0.9, 0], "max": [0.9, 0.9, 6]}}],
         },
