@@ -19,6 +19,15 @@ Eigen::AlignedBox3d box_around(std::span<const StepVertex> vertices) {
   return box;
 }
 
+/// Around what a box becomes in a collider's own coordinates, with rounding.
+Eigen::AlignedBox3d invert_box(const RigidTransform& transform, const Eigen::AlignedBox3d& box) {
+  constexpr double kRounding = 1e-12;
+  const double size = box.min().lpNorm<1>() + box.max().lpNorm<1>() + transform.translation.lpNorm<1>();
+  const Vec3 middle = transform.invert(box.center());
+  const Vec3 half = transform.rotation.transpose().cwiseAbs() * (0.5 * box.sizes()) + Vec3::Constant(kRounding * size);
+  return {middle - half, middle + half};
+}
+
 /// A collider and where it is at the ends of a step.
 struct MovingCollider {
   const PreparedCollider& collider;
@@ -43,6 +52,25 @@ struct MovingCollider {
   /// In the collider's own coordinates, at the end of the step.
   Vec3 to_local(const StepVertex& vertex) const {
     return is_fixed ? Vec3(position(vertex)) : end.invert(position(vertex));
+  }
+
+  /// Whether certainly no vertex in a box is inside at the end of the step, nor has passed on its way.
+  /// @param starts  around where they start the step
+  template <typename Shape>
+  bool is_clear_of(const Shape& shape, const Eigen::AlignedBox3d& starts, const Eigen::AlignedBox3d& now) const {
+    if (collider.surface_motion) return false;
+    Eigen::AlignedBox3d box = is_fixed ? now : invert_box(end, now);
+    if constexpr (kHasFarSide<Shape>) box.extend(is_fixed ? starts : invert_box(start, starts));
+    return is_clear(shape, box);
+  }
+
+  /// Whether a vertex is outside of a shape that none can pass through. Most are, and need no more than this.
+  template <typename Shape>
+  bool is_outside(const Shape& shape, const StepVertex& vertex) const {
+    if constexpr (kHasFarSide<Shape>)
+      return false;
+    else
+      return !find_hit(shape, to_local(vertex));
   }
 
   /// @param was             start_of() the vertex
@@ -81,6 +109,8 @@ struct MovingCollider {
   void set_on_surface(const Step& step, std::int64_t v, double half_thickness, double depth_left,
                       StepVertex& vertex) const {
     if (is_far(step, v, half_thickness, vertex)) return;
+    const auto is_missed = [&](const auto& shape) { return half_thickness == 0 && is_outside(shape, vertex); };
+    if (std::visit(is_missed, collider.shape)) return;
     const Vec3 p = to_local(vertex), was = start_of(step, v);
     const std::optional<Hit> hit = std::visit(
         [&](const auto& shape) {
@@ -135,9 +165,9 @@ class Projection {
   }
 
  private:
-  /// Around a run of vertices, and around the ways that they have come in the step.
+  /// Around a run of vertices: where they are, and where they start the step, if a collider asks for that.
   struct Boxes {
-    Eigen::AlignedBox3d now, ways;
+    Eigen::AlignedBox3d now, starts;
   };
 
   /// A box takes half as long as asking one collider of every vertex: it pays for two.
@@ -145,9 +175,9 @@ class Projection {
 
   Boxes boxes_around(std::int64_t first, std::int64_t last) const {
     Boxes boxes;
-    boxes.ways = boxes.now = box_around(vertices_.subspan(first, last - first));
-    for (std::int64_t v = first; v < last && any_far_side_; ++v) boxes.ways.extend(step_.positions[v]);
-    for (Eigen::AlignedBox3d* box : {&boxes.now, &boxes.ways}) {
+    boxes.now = box_around(vertices_.subspan(first, last - first));
+    for (std::int64_t v = first; v < last && any_far_side_; ++v) boxes.starts.extend(step_.positions[v]);
+    for (Eigen::AlignedBox3d* box : {&boxes.now, &boxes.starts}) {
       box->min().array() -= largest_half_;
       box->max().array() += largest_half_;
     }
@@ -161,8 +191,7 @@ class Projection {
     for (std::size_t c = 0; c < colliders_.size(); ++c)
       std::visit(
           [&](const auto& shape) {
-            constexpr bool kByWays = kHasFarSide<std::decay_t<decltype(shape)>>;
-            if (uses_boxes() && colliders_[c].is_fixed && is_clear(shape, kByWays ? boxes.ways : boxes.now)) return;
+            if (uses_boxes() && colliders_[c].is_clear_of(shape, boxes.starts, boxes.now)) return;
             const std::int64_t before = hits.count;
             push_run_out(c, shape, first, last, pushed, hits);
             if (uses_boxes() && hits.count > before) boxes = boxes_around(first, last);
@@ -187,6 +216,7 @@ class Projection {
       if (!(vertices_[v].inverse_mass > 0)) continue;
       const double half = half_thickness_of(v);
       if (colliders_[c].is_far(step_, v, half, vertices_[v])) continue;
+      if (half == 0 && colliders_[c].is_outside(shape, vertices_[v])) continue;
       const Vec3 was = colliders_[c].start_of(step_, v);
       const auto push_out = [&](const auto& own) {
         return colliders_[c].push_out(own, step_, v, was, max_corrections_[v], ejected_[v],
