@@ -74,6 +74,38 @@ TEST(TimeStep, MovesVerticesOfAHandleByItsMotionAndTakesTheirInverseMass) {
   }
 }
 
+// One collider is asked of each vertex, several of many vertices at a time: that makes no difference.
+TEST(TimeStep, PassesByCollidersThatMoveManyVerticesAtATimeWithoutMissingAny) {
+  const Model model = make(make_box({1, 1, 1}, 0.1), neo_hookean(1e5));
+  Motion motion;
+  motion.keyframes = {{0, Vec3::Zero()}, {0.1, Vec3(0.3, 0.1, 0.4), 0.7}, {0.2, Vec3(-0.2, 0, 0.6), -0.5}};
+  motion.axis = Vec3(1, 2, 3);
+  motion.centre = Vec3(0.5, 0.4, 0.1);
+  const Collider colliders[] = {
+      {PlaneShape{Vec3(0, 0, -0.2), Vec3(0.1, 0, 1)}, motion, {0.5, 0.4}},
+      {Bowl{Vec3(0.5, 0.5, 0.4), Vec3::UnitZ(), 0.8}, motion, {0.5, 0.4}},
+      {SphereShape{Vec3(0.3, 0.2, -0.3), 0.35}, motion, {0.5, 0.4}},
+      {CylinderShape{Vec3(0.6, 0.5, -0.3), Vec3::UnitX(), 0.2, 1.5}, motion, {0.5, 0.4}},
+  };
+  const Collider far{PlaneShape{Vec3(0, 0, -100)}, {}, {0, 0}};
+  StepOptions options;
+  options.time_step = 0.01;
+  options.contact.mode = DetectionMode::kOff;
+  for (const Collider& collider : colliders) {
+    State alone = make_state(model, model.rest_positions), beside = alone, free = alone;
+    DustSolver one(model, alone, {}, std::array{collider}, options);
+    DustSolver two(model, beside, {}, std::array{collider, far}, options);
+    DustSolver none(model, free, {}, {}, options);
+    for (int step = 0; step < 25; ++step) {
+      one.step(alone);
+      two.step(beside);
+      none.step(free);
+      ASSERT_EQ(alone.positions, beside.positions) << step;
+    }
+    EXPECT_NE(alone.positions, free.positions);
+  }
+}
+
 TEST(TimeStep, BringsVerticesThatStartInCollidersOutByAQuarterOfAnEdgeAStepWithoutSpeed) {
   const Model model = make(kBox, neo_hookean(1e5));
   State state = make_state(model, model.rest_positions);
