@@ -1,4 +1,4 @@
-#include "core/merge_sorted.h"
+#include "self_collision/continuous/bring_together.h"
 #include "self_collision/continuous/continuous_kernel.h"
 #include "self_collision/continuous/finder_input.h"
 #include "self_collision/continuous/impact_times.h"
@@ -33,8 +33,8 @@ struct ContinuousCollisionFinder::Impl {
   static constexpr std::int64_t kMaxMeasuredShare = 4;
   /// Where they do not pay, ever fewer steps try again, at last every 2^kMaxFailures-th.
   static constexpr int kMaxFailures = 6;
-  /// A list of near features has to serve so many more searches to pay.
-  static constexpr int kMinUses = 4;
+  /// Of the margin: how much farther vertices that stray may come.
+  static constexpr double kRoom = 32;
 
   const TriangleMesh& mesh;
   SelfCollisionOptions options;
@@ -50,8 +50,9 @@ struct ContinuousCollisionFinder::Impl {
   bool trusts_stars = false;            ///< most stars keep their shape
   int failures = 0, steps_without_stars = 0;
   NearFeatures near;
-  int near_uses = kMinUses;  ///< since they were listed
+  std::int64_t near_uses = 0;  ///< since they were listed
   int unused_lists = 0, steps_without_list = 0;
+  std::vector<Vec3> moved_on;        ///< where vertices would come to within a motion
   std::vector<LeafVertices> leaves;  ///< where stars have been trusted once
   std::vector<NeighbourPair> neighbours;
 
@@ -69,10 +70,8 @@ struct ContinuousCollisionFinder::Impl {
   void place(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1, double margin = 0) {
     PositionExtent<3> both = check_positions<3>(positions_t0, mesh.vertex_count(), "positions_t0");
     both.add(check_positions<3>(positions_t1, mesh.vertex_count(), "positions_t1"));
-    if (margin > 0) {
-      both.lower.array() -= margin;
-      both.upper.array() += margin;
-    }
+    both.lower.array() -= kRoom * margin;
+    both.upper.array() += kRoom * margin;
     pose.place(mesh, positions_t0, positions_t1, options.thickness, box_units_around(both), margin);
   }
 
@@ -98,26 +97,24 @@ struct ContinuousCollisionFinder::Impl {
   }
 
   void update(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
-    if (update_near(positions_t0, positions_t1)) return;
-    const double margin = begin_list() ? near.margin_at(positions_t0) : 0;
-    place(positions_t0, positions_t1, margin);
-    bvh.refit(pose.boxes());
-    if (bvh.quality_loss() > Bvh::kRebuildAbove) build();
-    if (margin > 0) {
-      culled = {};
-    } else {
-      cull();
-    }
-    watch_stars(margin);
-    if (margin > 0 && is_watching) list_near(margin);
+    if (update_near(positions_t0, positions_t1) || list_near(positions_t0, positions_t1)) return;
+    place(positions_t0, positions_t1);
+    refit();
+    cull();
+    watch_stars();
   }
 
-  /// Whether to list what comes near, for later steps like this one. It pays where stars do, for else most of the
-  /// surface may be left out at once; and where lists are used. Where they are not, ever fewer steps try again.
+  void refit() {
+    bvh.refit(pose.boxes());
+    if (bvh.quality_loss() > Bvh::kRebuildAbove) build();
+  }
+
+  /// Whether to list what comes near, for later steps. It pays where stars do, for else most of the surface may be left
+  /// out at once; and where lists are used. Where they are not, ever fewer steps try again.
   bool begin_list() {
     if (near.is_set()) {
-      unused_lists = near_uses >= kMinUses ? 0 : std::min(unused_lists + 1, kMaxFailures);
-      steps_without_list = near_uses >= kMinUses ? 0 : 16 << unused_lists;
+      unused_lists = near.has_paid(near_uses) ? 0 : std::min(unused_lists + 1, kMaxFailures);
+      steps_without_list = unused_lists == 0 ? 0 : 16 << unused_lists;
     }
     near.clear();
     if (!trusts_stars || options.asked_once) return false;
@@ -126,26 +123,46 @@ struct ContinuousCollisionFinder::Impl {
     return false;
   }
 
-  void list_near(double margin) {
-    near.set_motion(margin, pose);
+  /// Lists what comes near while all moves on as in this step. False: that is of no use.
+  bool list_near(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
+    if (!begin_list() || !are_of_all(positions_t0, positions_t1)) return false;
+    const double margin = near.margin_at(positions_t0);
+    const int steps = near.choose_steps(margin, positions_t0, positions_t1, pose);
+    if (steps == 0) return false;
+    move_on(positions_t0, positions_t1, steps, moved_on);
+    if (std::ranges::any_of(moved_on, [](const Vec3& x) { return !x.allFinite(); })) return false;
+    place(positions_t0, moved_on, margin);
+    refit();
+    culled = {};
+    is_watching = false;
+    stars->place(positions_t0, moved_on, margin);
+    if (kMaxMeasuredShare * stars->measured_count() > stars->count()) {
+      near.shorten();
+      return false;
+    }
+    near.set_motion(margin, steps, pose);
     near.set_pairs(search_beside_stars(near_input({}), nullptr, {}));
     near_uses = 0;
+    pose.move(positions_t0, positions_t1, near.vertices());
+    return true;
+  }
+
+  bool are_of_all(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) const {
+    return std::ssize(positions_t0) == mesh.vertex_count() && std::ssize(positions_t1) == mesh.vertex_count();
   }
 
   /// Finds again what comes near vertices that have strayed. False: that is not known, or they are too many.
   bool update_near(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
-    if (!near.is_set() || std::ssize(positions_t0) != mesh.vertex_count() ||
-        std::ssize(positions_t1) != mesh.vertex_count())
-      return false;
-    if (!near.find_strayed(positions_t0, positions_t1)) return false;
-    if (near.strayed_count() > 0) {
+    if (!near.is_set() || !are_of_all(positions_t0, positions_t1)) return false;
+    if (!near.find_strayed(positions_t0, positions_t1) || near.is_worn()) return false;
+    if (!near.strayed().empty()) {
       if (!near.take_strayed(positions_t0, positions_t1)) return false;
       bvh.refit(near.motion().boxes());
       if (bvh.quality_loss() > Bvh::kRebuildAbove) return false;
-      stars->place(near.motion().positions_t0(), near.motion().positions_t1(), near.margin(), near.strayed_vertices());
+      stars->place(near.motion().positions_t0(), near.motion().positions_t1(), near.margin(), near.strayed());
       near.set_pairs(search_beside_stars(near_input(near.strayed_vertices()), nullptr, {}));
     }
-    near_uses = std::min(near_uses + 1, kMinUses);
+    ++near_uses;
     pose.move(positions_t0, positions_t1, near.vertices());
     return true;
   }
@@ -164,7 +181,7 @@ struct ContinuousCollisionFinder::Impl {
 
   /// Like culling, separated stars need no comparison. They pay where the surface keeps its shape for some steps, and
   /// where culling has not left out most of it.
-  void watch_stars(double margin) {
+  void watch_stars() {
     is_watching = false;
     if (options.method != CullingMethod::kAuto || !is_culling()) return;
     if (2 * culled.counters.culled_triangles > mesh.triangle_count()) return;
@@ -177,7 +194,7 @@ struct ContinuousCollisionFinder::Impl {
     trusts_stars = trusts_stars || stars->are_nearly_rigid(pose.positions_t0(), pose.positions_t1());
     if (trusts_stars) {
       if (neighbours.empty()) list_neighbours_of_leaves();
-      stars->place(pose.positions_t0(), pose.positions_t1(), margin);
+      stars->place(pose.positions_t0(), pose.positions_t1());
       is_watching = true;
       if (!was_trusting) return;
       if (kMaxMeasuredShare * stars->measured_count() <= stars->count()) {
@@ -318,21 +335,6 @@ struct ContinuousCollisionFinder::Impl {
     const auto& a = mesh.triangles()[pair.first];
     const auto& b = mesh.triangles()[pair.second];
     return std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
-  }
-
-  static ContinuousPairs bring_together(std::span<ContinuousResult> results, ContinuousCounters* counters) {
-    std::vector<std::vector<VertexFacePair>> vertex_face;
-    std::vector<std::vector<EdgeEdgePair>> edge_edge;
-    for (ContinuousResult& result : results) {
-      vertex_face.push_back(std::move(result.pairs.vertex_face));
-      edge_edge.push_back(std::move(result.pairs.edge_edge));
-      if (counters != nullptr) *counters += result.counters;
-    }
-    ContinuousPairs pairs{merge_sorted(std::span<const std::vector<VertexFacePair>>(vertex_face),
-                                       &VertexFacePair::vertex, &VertexFacePair::face),
-                          merge_sorted(std::span<const std::vector<EdgeEdgePair>>(edge_edge), &EdgeEdgePair::first,
-                                       &EdgeEdgePair::second)};
-    return pairs;
   }
 };
 

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 namespace selvage {
 
@@ -72,7 +73,11 @@ bool is_well_shaped(const VertexTuple<3>& triangle, std::span<const Vec3> positi
 }  // namespace
 
 StarSeparation::StarSeparation(const TriangleMesh& mesh)
-    : mesh_(mesh), first_(mesh.vertex_count() + 1, 0), stars_(mesh.vertex_count()), is_open_(mesh.vertex_count(), 0) {
+    : mesh_(mesh),
+      first_(mesh.vertex_count() + 1, 0),
+      stars_(mesh.vertex_count()),
+      is_open_(mesh.vertex_count(), 0),
+      is_listed_(mesh.vertex_count(), 0) {
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
     const auto begin = static_cast<std::ptrdiff_t>(around_.size());
     for (const Index t : mesh.vertex_triangles(v))
@@ -180,23 +185,34 @@ bool StarSeparation::update(Index vertex, std::span<const Vec3> positions_t0, st
   return true;
 }
 
-bool StarSeparation::has_any(Index vertex, std::span<const std::uint8_t> strayed) const {
-  const auto others = around(vertex);
-  return strayed[vertex] != 0 || std::any_of(others.begin(), others.end(), [&](Index w) { return strayed[w] != 0; });
+/// The middles of stars that have a vertex of some, each once.
+std::vector<Index> StarSeparation::stars_with(std::span<const Index> vertices) {
+  std::vector<Index> middles;
+  const auto add = [&](Index v) {
+    if (mesh_.vertex_triangles(v).size() > 1 && std::exchange(is_listed_[v], 1) == 0) middles.push_back(v);
+  };
+  for (const Index v : vertices) {
+    add(v);
+    for (const Index w : around(v)) add(w);
+  }
+  for (const Index v : middles) is_listed_[v] = 0;
+  return middles;
 }
 
 void StarSeparation::place(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1, double margin,
-                           std::span<const std::uint8_t> strayed) {
+                           std::span<const Index> strayed) {
   slack_ = 3.4642 * margin;  // of the vertex and of the middle, by the root of 3 each
   struct Count {
     std::int64_t value = 0;
     void add(const Count& other) { value += other.value; }
   };
-  measured_count_ = parallel_reduce<Count>(std::ssize(middles_), kStarGrain,
+  std::vector<Index> some;
+  if (!strayed.empty()) some = stars_with(strayed);
+  const std::vector<Index>& placed = strayed.empty() ? middles_ : some;
+  measured_count_ = parallel_reduce<Count>(std::ssize(placed), kStarGrain,
                                            [&](std::int64_t first, std::int64_t last, Count& measured) {
                                              for (std::int64_t i = first; i < last; ++i)
-                                               if (strayed.empty() || has_any(middles_[i], strayed))
-                                                 measured.value += update(middles_[i], positions_t0, positions_t1);
+                                               measured.value += update(placed[i], positions_t0, positions_t1);
                                            })
                         .value;
   open_.clear();

@@ -22,9 +22,9 @@ class StarSeparation {
 
   /// Takes a step, and measures stars again that have changed their shape. O(n), parallel; deterministic.
   /// @param margin  stars count as separated where they are also if each vertex strays so far along every axis [m]
-  /// @param strayed  per vertex, not 0: it has moved since the last place(), which had the same margin; empty: all have
+  /// @param strayed  vertices that have moved since the last place(), which had the same margin; empty: all have
   void place(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1, double margin = 0,
-             std::span<const std::uint8_t> strayed = {});
+             std::span<const Index> strayed = {});
 
   /// Vertices whose stars may hold triangles that meet; ascending.
   std::span<const Index> open() const { return open_; }
@@ -48,7 +48,7 @@ class StarSeparation {
 
   bool update(Index vertex, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1);
   void measure(Index vertex, std::span<const Vec3> positions);
-  bool has_any(Index vertex, std::span<const std::uint8_t> strayed) const;
+  std::vector<Index> stars_with(std::span<const Index> vertices);
   double separation(Index vertex, std::span<const Vec3> positions) const;
   bool stays_near_turned(Index vertex, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) const;
   bool is_within_reach(Index vertex, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1);
@@ -64,7 +64,7 @@ class StarSeparation {
   std::vector<Vec3> shape_;            ///< for each of them where it lay when measured, in box units of the star
   std::vector<Vec3> turned_;           ///< the same, turned as the star was when it last had to be
   std::vector<Star> stars_;            ///< per vertex
-  std::vector<std::uint8_t> is_open_;  ///< per vertex
+  std::vector<std::uint8_t> is_open_, is_listed_;  ///< per vertex; the second all 0 between calls
   std::vector<Index> open_;
   double slack_ = 0;  ///< of a vertex as seen from the middle, for the margin [m]
   std::int64_t measured_count_ = 0;

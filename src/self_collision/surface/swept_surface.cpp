@@ -85,13 +85,13 @@ void SweptSurface::move(std::span<const Vec3> positions_t0, std::span<const Vec3
   });
 }
 
-bool SweptSurface::replace(const TriangleMesh& mesh, std::span<const Vec3> positions_t0,
-                           std::span<const Vec3> positions_t1, std::span<const Index> vertices,
-                           std::span<const Index> triangles) {
-  for (const Index v : vertices) {
-    positions_t0_[v] = positions_t0[v];
-    positions_t1_[v] = positions_t1[v];
-    rounded_[v] = rounded_in(units_, positions_t0[v], positions_t1[v]);
+bool SweptSurface::replace(const TriangleMesh& mesh, std::span<const Index> vertices,
+                           std::span<const std::array<Vec3, 2>> ends, std::span<const Index> triangles) {
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const Index v = vertices[i];
+    positions_t0_[v] = ends[i][0];
+    positions_t1_[v] = ends[i][1];
+    rounded_[v] = rounded_in(units_, ends[i][0], ends[i][1]);
     // NaN is out of range, too.
     for (const float x : rounded_[v].coordinates)
       if (!(std::abs(x) <= 1)) return false;

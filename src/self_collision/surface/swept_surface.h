@@ -22,8 +22,9 @@ class SweptSurface {
 
   /// Takes other positions of some vertices, in the same box units, and the boxes of the triangles that have them.
   /// False: one of them lies outside the range of the units, so that nothing here is of use. O(their number).
-  bool replace(const TriangleMesh& mesh, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1,
-               std::span<const Index> vertices, std::span<const Index> triangles);
+  /// @param ends  (n_vertices) positions at both ends
+  bool replace(const TriangleMesh& mesh, std::span<const Index> vertices, std::span<const std::array<Vec3, 2>> ends,
+               std::span<const Index> triangles);
 
   /// The margin in box units, rounded up.
   float margin() const { return margin_; }

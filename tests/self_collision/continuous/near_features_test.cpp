@@ -32,7 +32,7 @@ void move(Move how, Positions& positions, Random& random) {
       positions[random.below(count)] += random.vector(random.below(2) == 0 ? 0.3 : 3);
       break;
     case Move::kSome:
-      for (Index i = 0; i <= count / 10; ++i) positions[random.below(count)] += random.vector(0.2);
+      for (Index i = 0; i <= count / 40; ++i) positions[random.below(count)] += random.vector(0.2);
       break;
     case Move::kAll:
       for (Vec3& x : positions) x += random.vector(0.1);
@@ -99,6 +99,39 @@ Found find_over_steps(Surface surface, Random random, int steps, bool compares) 
   return found;
 }
 
+/// The same where vertices go on as in the step before but for a little, and some turn aside.
+/// @param turn_every  all turn back once in so many steps
+Found find_while_going_on(Surface surface, Random random, int steps, bool compares, std::uint64_t turn_every) {
+  const TriangleMesh mesh = surface.mesh();
+  const auto count = static_cast<Index>(surface.positions.size());
+  ContinuousCollisionFinder finder(mesh, surface.positions, surface.positions);
+  Positions ways(count);
+  const double twist = random.within(-0.01, 0.01);
+  for (Index v = 0; v < count; ++v) {
+    const Vec3& x = surface.positions[v];
+    ways[v] = Vec3(0.02, 0.01, 0) + twist * x[0] * Vec3(0, -x[2], x[1]) + random.vector(1e-3);
+  }
+  Found found;
+  for (int step = 0; step < steps; ++step) {
+    if (random.below(3) == 0) ways[random.below(count)] += random.vector(0.05);
+    if (random.below(turn_every) == 0)
+      for (Vec3& way : ways) way = Vec3(way[0], way[1], -way[2]);
+    for (std::uint64_t tries = 1 + random.below(2); tries > 0; --tries) {
+      Positions end = surface.positions;
+      for (Index v = 0; v < count; ++v) end[v] += ways[v] + random.vector(1e-4);
+      finder.update(surface.positions, end);
+      ContinuousCounters counters;
+      found.pairs.push_back(finder.find_pairs(&counters));
+      found.from_list += counters.node_pairs == 0;
+      if (compares) {
+        EXPECT_EQ(found.pairs.back(), pairs_by_hierarchy(mesh, surface.positions, end)) << "step " << step;
+      }
+      if (tries == 1) surface.positions = end;
+    }
+  }
+  return found;
+}
+
 /// Sheets one over the other, so near that some of what moves meets.
 Surface two_sheets(Random& random) {
   Surface above = surfaces::sheet(16, 16, random);
@@ -131,11 +164,32 @@ TEST(NearFeatures, ChangeNoAnswerBetweenSheets) {
   EXPECT_GT(met, static_cast<std::size_t>(scaled(400)));
 }
 
+TEST_P(NearFeaturesOf, ChangeNoAnswerWhileAllGoesOn) {
+  Random random(seed(86));
+  for (std::int64_t n = 0; n < scaled(3); ++n)
+    find_while_going_on(GetParam().make(random), Random(random.bits()), 20, true, 20);
+}
+
+TEST(NearFeatures, LastWhileAllGoesOn) {
+  Random random(seed(87));
+  int from_list = 0, asked = 0;
+  std::size_t met = 0;
+  for (std::int64_t n = 0; n < scaled(4); ++n) {
+    const Found found = find_while_going_on(two_sheets(random), Random(random.bits()), 40, true, 1000);
+    from_list += found.from_list;
+    asked += static_cast<int>(found.pairs.size());
+    for (const ContinuousPairs& pairs : found.pairs) met += pairs.vertex_face.size() + pairs.edge_edge.size();
+  }
+  EXPECT_GT(8 * from_list, asked);
+  EXPECT_GT(met, static_cast<std::size_t>(scaled(400)));
+}
+
 TEST(NearFeatures, AreTheSameForAnyNumberOfThreads) {
   Random random(seed(83));
   const Surface surface = two_sheets(random);
   const std::uint64_t bits = random.bits();
   test::same_for_any_threads([&] { return find_over_steps(surface, Random(bits), 15, false); });
+  test::same_for_any_threads([&] { return find_while_going_on(surface, Random(bits), 15, false, 20); });
 }
 
 // Where nothing moves, a kept finder compares no nodes, and what it tests is what lies near.
