@@ -26,7 +26,7 @@ Box swept_box(const MovingVertex& a, const MovingVertex& b, const MovingVertex& 
   return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
 }
 
-MovingVertex rounded_in(const BoxUnits& units, const Vec3& position_t0, const Vec3& position_t1) {
+SELVAGE_INLINE MovingVertex rounded_in(const BoxUnits& units, const Vec3& position_t0, const Vec3& position_t1) {
   const Vec3 start = units.map(position_t0), end = units.map(position_t1);
   const auto rounded = [](double x) { return static_cast<float>(x); };
   return {{rounded(start[0]), rounded(start[1]), rounded(start[2]), 0, rounded(end[0]), rounded(end[1]),
