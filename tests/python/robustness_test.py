@@ -123,7 +123,7 @@ def interrupted(code: str, *, after: float = 0.2) -> tuple[float, str]:
     "code",
     [
         """
-        n = 100000
+        n = 300000
         rng = np.random.default_rng(0)
         V = np.repeat(rng.normal(size=(n, 3)), 3, axis=0) + 0.2 * rng.normal(size=(3 * n, 3))
         finder = selvage.SelfCollisionFinder(selvage.TriangleMesh(V, np.arange(3 * n).reshape(n, 3)))
@@ -140,7 +140,7 @@ def interrupted(code: str, *, after: float = 0.2) -> tuple[float, str]:
         finder.find_pairs()
         """,
         """
-        n = 30000
+        n = 120000
         rng = np.random.default_rng(0)
         V = np.repeat(rng.normal(size=(n, 3)), 3, axis=0) + 0.05 * rng.normal(size=(3 * n, 3))
         finder = selvage.ProximityFinder(selvage.TriangleMesh(V, np.arange(3 * n).reshape(n, 3)), distance=0.05)
