@@ -298,6 +298,7 @@ void pull_elements(const ElementTask& task, std::int64_t first, std::int64_t las
 
 void differentiate_elements(const ElementTask& task, bool is_exact, std::int64_t first, std::int64_t last,
                             ElementDerivatives* derivatives) {
+  auto* const records = reinterpret_cast<double*>(derivatives);  // each from its first number to the last
   for (std::int64_t n = first; n < last; ++n) {
     const SolidBatch& batch = task.batches[n];
     for (int lane = 0; lane < kSolidBatch; lane += WideDouble::kLanes) {
@@ -307,7 +308,7 @@ void differentiate_elements(const ElementTask& task, bool is_exact, std::int64_t
       for (int i = 0; i < WideDouble::kLanes; ++i) offsets[i] = std::int64_t{kRecord} * batch.elements[lane + i];
       for (int i = 0; i < kRecord; i += 4) {
         const WideDouble columns[4] = {blocks.at[i], blocks.at[i + 1], blocks.at[i + 2], blocks.at[i + 3]};
-        store_rows(columns, derivatives->blocks[0] + i, offsets);
+        store_rows(columns, records + i, offsets);
       }
     }
   }
