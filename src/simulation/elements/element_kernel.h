@@ -11,7 +11,7 @@ inline constexpr int kSolidBatch = 8;
 inline constexpr int kElementRow = 4;
 
 /// Neo-Hookean elements, each with StrainDamping over the step; moduli are times the volume at rest [J]. A place
-/// without an element has zeros, and the record behind the last.
+/// without an element has zeros, and a record behind the last, one a body.
 struct alignas(64) SolidBatch {
   Index rows[4][kSolidBatch];               ///< kElementRow times the vertices
   Index elements[kSolidBatch];              ///< their records

@@ -41,12 +41,11 @@ ElementTerms::ElementTerms(const Model& model, double time_step) : model_(model)
   if (damped) start_gradients_.resize(elements_.size());
 }
 
+/// The last batch may have empty places: a record of its own, so that no two threads write to one.
 void ElementTerms::add_batches(const Body& body) {
   for (Index i = 0; i < body.element_count; ++i) {
     const int lane = i % kSolidBatch;
-    if (lane == 0) {
-      std::fill_n(batches_.emplace_back().elements, kSolidBatch, model_.mesh.element_count());
-    }
+    if (lane == 0) std::fill_n(batches_.emplace_back().elements, kSolidBatch, model_.mesh.element_count() + spare_);
     SolidBatch& batch = batches_.back();
     const Index e = body.first_element + i;
     const RestSimplex<3>& rest = elements_[e].rest;
@@ -61,6 +60,7 @@ void ElementTerms::add_batches(const Body& body) {
     batch.damping_mu[lane] = damping_[e] * rest.size * material.mu;
     batch.damping_bulk[lane] = damping_[e] * rest.size * material.lambda;
   }
+  ++spare_;
 }
 
 void ElementTerms::begin(std::span<const Vec3> positions) {
@@ -70,7 +70,7 @@ void ElementTerms::begin(std::span<const Vec3> positions) {
   parallel_for(std::ssize(batches_), kBatchGrain, [&](std::int64_t n) {
     SolidBatch& batch = batches_[n];
     for (int lane = 0; lane < kSolidBatch; ++lane) {
-      if (batch.elements[lane] == count()) continue;
+      if (batch.elements[lane] >= count()) continue;
       const Eigen::Matrix3d& f = start_gradients_[batch.elements[lane]];
       const Eigen::Matrix3d squared = f.transpose() * f;
       const double entries[] = {squared(0, 0), squared(1, 1), squared(2, 2),
@@ -104,7 +104,7 @@ std::vector<double> ElementTerms::rows_of(std::span<const Vec3> x) const {
 
 double ElementTerms::energy(std::span<const Vec3> x) const {
   const std::vector<double> rows = rows_of(x);
-  std::vector<double> energies(elements_.size() + 1);
+  std::vector<double> energies(record_count());
   parallel_ranges(std::ssize(batches_), kBatchGrain, [&](std::int64_t first, std::int64_t last) {
     SELVAGE_DISPATCH(measure_elements, task(rows), first, last, energies.data());
   });
@@ -119,7 +119,7 @@ double ElementTerms::energy(std::span<const Vec3> x) const {
 
 void ElementTerms::find_gradients(std::span<const Vec3> x, std::vector<ElementGradient>& gradients) const {
   const std::vector<double> rows = rows_of(x);
-  gradients.resize(elements_.size() + 1);
+  gradients.resize(record_count());
   parallel_ranges(std::ssize(batches_), kBatchGrain, [&](std::int64_t first, std::int64_t last) {
     SELVAGE_DISPATCH(pull_elements, task(rows), first, last, gradients.data());
   });
@@ -155,7 +155,7 @@ ElementDerivatives ElementTerms::derivatives_of_one(Index e, std::span<const Vec
 void ElementTerms::differentiate(std::span<const Vec3> x, bool is_exact,
                                  std::vector<ElementDerivatives>& derivatives) const {
   const std::vector<double> rows = rows_of(x);
-  derivatives.resize(elements_.size() + 1);
+  derivatives.resize(record_count());
   parallel_ranges(std::ssize(batches_), kBatchGrain, [&](std::int64_t first, std::int64_t last) {
     SELVAGE_DISPATCH(differentiate_elements, task(rows), is_exact, first, last, derivatives.data());
   });

@@ -18,16 +18,18 @@ class ElementTerms {
   ElementTerms(const Model& model, double time_step);
 
   Index count() const { return static_cast<Index>(elements_.size()); }
+  /// Of elements, and behind them those of batches' empty places, which mean nothing.
+  std::size_t record_count() const { return elements_.size() + spare_; }
 
   /// Begins a step.
   void begin(std::span<const Vec3> positions);
 
   /// Of all [J].
   double energy(std::span<const Vec3> x) const;
-  /// @param gradients  (count() and more) of each
+  /// @param gradients  of each; record_count() of them afterwards
   void find_gradients(std::span<const Vec3> x, std::vector<ElementGradient>& gradients) const;
   /// @param is_exact     as in IncrementalPotential::assemble()
-  /// @param derivatives  (count() and more) of each
+  /// @param derivatives  of each; record_count() of them afterwards
   void differentiate(std::span<const Vec3> x, bool is_exact, std::vector<ElementDerivatives>& derivatives) const;
 
   /// Adds the derivatives of one of a vertex's elements by its position.
@@ -63,6 +65,7 @@ class ElementTerms {
   /// (n_elements) at the start of the step; empty where no body is damped
   std::vector<Eigen::Matrix3d> start_gradients_;
   std::vector<SolidBatch> batches_;
+  Index spare_ = 0;            ///< records behind the last, one a body
   std::vector<Index> others_;  ///< elements that are not batched
 };
 

@@ -95,7 +95,7 @@ StencilHessian<4> whole(const ElementDerivatives& derivatives) {
 void compare_variants(const ElementTerms& terms, std::span<const Vec3> x) {
   const std::vector<double> rows = terms.rows_of(x);
   const auto batches = std::ssize(terms.batches());
-  const std::size_t records = terms.count() + 1;
+  const std::size_t records = terms.record_count();
   std::vector<double> energies;
   std::vector<ElementGradient> gradients;
   std::vector<ElementDerivatives> derivatives[2];
