@@ -1,6 +1,5 @@
 #include "scene/frame_measures.h"
 
-#include "core/parallel.h"
 #include "scene/float_rounding.h"
 
 #include <algorithm>
@@ -16,31 +15,8 @@ double fastest_of(const State& state) {
   return std::sqrt(squared_speed);
 }
 
-/// Part of an element's volume at rest up to which it is flat.
-constexpr double kFlat = 1e-9;
-
-double volume_of(const std::vector<Vec3>& positions, const VertexTuple<4>& element) {
-  const Vec3& p = positions[element[0]];
-  return (positions[element[1]] - p).cross(positions[element[2]] - p).dot(positions[element[3]] - p) / 6;
-}
-
 /// Part of a body's volume at rest up to which it has none.
 constexpr double kNoVolume = 1e-3;
-
-std::int64_t count_flat_elements(const Model& model, const State& state) {
-  struct Count {
-    std::int64_t flat = 0;
-    void add(const Count& other) { flat += other.flat; }
-  };
-  const auto& elements = model.mesh.elements();
-  return parallel_reduce<Count>(std::ssize(elements), 1024,
-                                [&](std::int64_t begin, std::int64_t end, Count& count) {
-                                  for (std::int64_t e = begin; e < end; ++e)
-                                    count.flat += std::abs(volume_of(state.positions, elements[e])) <=
-                                                  kFlat * volume_of(model.rest_positions, elements[e]);
-                                })
-      .flat;
-}
 
 void add_crossings(const Crossings& crossings, FrameStatistics& row) {
   const BodyPairCrossings& bodies = crossings.bodies.total;
@@ -70,12 +46,13 @@ void FrameMeasures::measure(const State& state, std::int64_t frame, FrameStatist
   row.frame = frame;
   row.time = state.time;
   row.steps = state.steps;
-  const Energies energies = energies_.measure(state, scene_.options.gravity);
+  solids_ = measure_solids(scene_.model, state.positions);
+  const Energies energies = energies_.measure(state, scene_.options.gravity, solids_);
   row.kinetic_energy = energies.kinetic;
   row.elastic_energy = energies.elastic;
   row.gravity_energy = energies.gravity;
   row.fastest = fastest_of(state);
-  row.flat_elements = count_flat_elements(scene_.model, state);
+  row.flat_elements = solids_.flat_elements;
   finder_.update(state.positions);
   row.inverted_elements = finder_.defects().inverted_elements;
   crossings_ = {bodies_.measure(finder_, state.positions), colliders_.measure(finder_, state)};
@@ -88,16 +65,10 @@ std::vector<Vec3> FrameMeasures::stored_positions(const State& state) {
   return round_to_floats(bodies_.surface(), bodies_.surface_finder(), state.positions, bodies_.pairs());
 }
 
-const Body* find_body_without_volume(const Model& model, const State& state) {
-  for (const Body& body : model.bodies) {
-    if (body.is_cloth()) continue;
-    double volume = 0, at_rest = 0;
-    for (Index e = body.first_element; e < body.first_element + body.element_count; ++e) {
-      volume += volume_of(state.positions, model.mesh.elements()[e]);
-      at_rest += volume_of(model.rest_positions, model.mesh.elements()[e]);
-    }
-    if (volume <= kNoVolume * at_rest) return &body;
-  }
+const Body* FrameMeasures::find_body_without_volume() const {
+  const auto& bodies = scene_.model.bodies;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (!bodies[b].is_cloth() && solids_.volumes[b].now <= kNoVolume * solids_.volumes[b].at_rest) return &bodies[b];
   return nullptr;
 }
 

@@ -20,6 +20,9 @@ class FrameMeasures {
   /// Of the state measured last.
   const Crossings& crossings() const { return crossings_; }
 
+  /// The first body without volume in that state, or null.
+  const Body* find_body_without_volume() const;
+
   /// Positions to store in a frame, of the state measured last: as they are with a guarantee, else floats.
   std::vector<Vec3> stored_positions(const State& state);
 
@@ -29,10 +32,8 @@ class FrameMeasures {
   BoundaryPathFinder<3> finder_;
   BodyCrossingFinder bodies_;
   ColliderCrossingFinder colliders_;
+  SolidMeasure solids_;
   Crossings crossings_;
 };
-
-/// The first body without volume, or null.
-const Body* find_body_without_volume(const Model& model, const State& state);
 
 }  // namespace selvage

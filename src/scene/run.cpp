@@ -151,7 +151,7 @@ void stop(RunReport& report, RunOutcome outcome, std::int64_t frame, const std::
 }
 
 /// Runs one frame; false when the run ends with it.
-bool advance(const Scene& scene, SceneSimulation& simulation, std::int64_t frame, State& state, RunReport& report) {
+bool advance(SceneSimulation& simulation, std::int64_t frame, State& state, RunReport& report) {
   try {
     report.frames.push_back(simulation.run_frame(state, frame));
   } catch (const SystemError&) {
@@ -164,7 +164,7 @@ bool advance(const Scene& scene, SceneSimulation& simulation, std::int64_t frame
     return false;
   }
   const Index inverted = simulation.find_inverted_held_element(state);
-  const Body* empty = find_body_without_volume(scene.model, state);
+  const Body* empty = simulation.measures().find_body_without_volume();
   if (inverted == kNone && empty == nullptr) return true;
   report.frames.pop_back();
   if (inverted != kNone)
@@ -219,7 +219,7 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
   if (options.on_frame) options.on_frame(report.frames.back());
   const std::int64_t last = options.frames.value_or(scene.frames);
   for (std::int64_t frame = report.first_frame + 1; frame <= last; ++frame) {
-    if (!advance(scene, simulation, frame, state, report)) break;
+    if (!advance(simulation, frame, state, report)) break;
     store(folder, options, scene, state, report.frames.back(), simulation.measures());
     if (options.on_frame) options.on_frame(report.frames.back());
   }

@@ -18,7 +18,7 @@ const Vec3 kGravity(0, 0, -9.81);
 double elastic_energy(const Model& model, std::span<const Vec3> positions) {
   State state = make_state(model, model.rest_positions);
   state.positions.assign(positions.begin(), positions.end());
-  return EnergyMeasure(model).measure(state, kGravity).elastic;
+  return EnergyMeasure(model).measure(state, kGravity, measure_solids(model, positions)).elastic;
 }
 
 TEST(Energies, OfAStretchedBlockIsTheFormulaOfItsMaterial) {
@@ -68,11 +68,11 @@ TEST(Energies, OfMotionAndWeightLeaveOutWhatIsPinned) {
   for (Vec3& v : state.velocities) v = Vec3(0, 3, 4);
   const EnergyMeasure measure(model);
   const double mass = 8;
-  Energies energies = measure.measure(state, kGravity);
+  Energies energies = measure.measure(state, kGravity, measure_solids(model, state.positions));
   EXPECT_NEAR(energies.kinetic, 0.5 * mass * 25, 1e-11);
   EXPECT_NEAR(energies.gravity, mass * 9.81 * centre(model, state)[2], 1e-11);
   for (double& inverse_mass : model.inverse_masses) inverse_mass = 0;
-  energies = measure.measure(state, kGravity);
+  energies = measure.measure(state, kGravity, measure_solids(model, state.positions));
   EXPECT_EQ(energies.kinetic, 0);
   EXPECT_EQ(energies.gravity, 0);
 }

@@ -3,6 +3,7 @@
 #include "core/parallel.h"
 #include "elasticity/deformation_gradient.h"
 #include "simulation/elements/ordered_sum.h"
+#include "simulation/elements/rows.h"
 
 #include <algorithm>
 
@@ -92,14 +93,6 @@ void ElementTerms::visit_densities(Index e, const Visit& visit) const {
     visit(StrainDamping<3>{damping * solid->mu, damping * solid->lambda, start.transpose() * start});
   else
     visit(VolumeSpring{damping * std::get<VolumeSpring>(element.material).stiffness, start.determinant()});
-}
-
-std::vector<double> ElementTerms::rows_of(std::span<const Vec3> x) const {
-  std::vector<double> rows(kElementRow * x.size());
-  parallel_for(std::ssize(x), kGrain, [&](std::int64_t v) {
-    for (int i = 0; i < 3; ++i) rows[kElementRow * v + i] = x[v][i];
-  });
-  return rows;
 }
 
 double ElementTerms::energy(std::span<const Vec3> x) const {

@@ -40,8 +40,6 @@ class ElementTerms {
 
   ElementTask task(std::span<const double> rows) const { return {rows.data(), batches_.data(), is_damped()}; }
   std::span<const SolidBatch> batches() const { return batches_; }
-  /// Positions as kernels take them.
-  std::vector<double> rows_of(std::span<const Vec3> x) const;
 
  private:
   /// Energies of an element.

@@ -1,8 +1,6 @@
 #include "simulation/implicit/energies.h"
 
 #include "elasticity/edge_spring.h"
-#include "elasticity/neo_hookean.h"
-#include "elasticity/volume_spring.h"
 #include "simulation/elements/ordered_sum.h"
 
 #include <algorithm>
@@ -31,23 +29,13 @@ EnergyMeasure::EnergyMeasure(const Model& model)
     if (body_of[edge[0]] != kNone) springs_.push_back({edge, body_of[edge[0]]});
 }
 
-double EnergyMeasure::element_energy(const Body& body, Index element, std::span<const Vec3> x) const {
-  const Material& m = body.material;
-  const VertexTuple<4>& vertices = model_.mesh.elements()[element];
-  const RestSimplex<3> rest = rest_tetrahedron(vertices, model_.rest_positions);
-  const Eigen::Matrix3d f = rest.deformation(gather(vertices, x));
-  if (m.kind == MaterialKind::kNeoHookean)
-    return rest.size * NeoHookean::of(m.youngs_modulus, m.poisson_ratio).energy_density(f);
-  return m.volume_compliance > 0 ? rest.size * VolumeSpring{rest.size / m.volume_compliance}.energy_density(f) : 0;
-}
-
 double EnergyMeasure::spring_energy(const Spring& spring, std::span<const Vec3> x) const {
   const StencilPositions<2> rest = gather(spring.vertices, model_.rest_positions);
   return EdgeSpring{1 / model_.bodies[spring.body].material.edge_compliance, (rest.col(1) - rest.col(0)).norm()}.energy(
       gather(spring.vertices, x));
 }
 
-Energies EnergyMeasure::measure(const State& state, const Vec3& gravity) const {
+Energies EnergyMeasure::measure(const State& state, const Vec3& gravity, const SolidMeasure& solids) const {
   const std::span<const Vec3> x = state.positions;
   Energies energies;
   const auto over_mass = [&](std::int64_t v, double value) {
@@ -56,11 +44,8 @@ Energies EnergyMeasure::measure(const State& state, const Vec3& gravity) const {
   energies.kinetic =
       ordered_sum(std::ssize(x), [&](std::int64_t v) { return over_mass(v, 0.5 * state.velocities[v].squaredNorm()); });
   energies.gravity = ordered_sum(std::ssize(x), [&](std::int64_t v) { return over_mass(v, -gravity.dot(x[v])); });
-  for (const Body& body : model_.bodies)
-    energies.elastic += ordered_sum(body.element_count, [&](std::int64_t e) {
-      return element_energy(body, body.first_element + static_cast<Index>(e), x);
-    });
-  energies.elastic += ordered_sum(std::ssize(springs_), [&](std::int64_t s) { return spring_energy(springs_[s], x); });
+  energies.elastic =
+      solids.energy + ordered_sum(std::ssize(springs_), [&](std::int64_t s) { return spring_energy(springs_[s], x); });
   energies.elastic +=
       ordered_sum(cloth_.count(), [&](std::int64_t t) { return cloth_.energy(static_cast<Index>(t), x); });
   return energies;

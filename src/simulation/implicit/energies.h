@@ -1,6 +1,7 @@
 #pragma once
 
 #include "selvage/simulation/model.h"
+#include "simulation/elements/solid_measure.h"
 #include "simulation/implicit/cloth_terms.h"
 
 namespace selvage {
@@ -21,8 +22,9 @@ class EnergyMeasure {
   /// @param model  must outlive this
   explicit EnergyMeasure(const Model& model);
 
-  /// O(n_vertices + n_elements + n_triangles).
-  Energies measure(const State& state, const Vec3& gravity) const;
+  /// @param solids  measure_solids() of the state
+  /// O(n_vertices + n_triangles).
+  Energies measure(const State& state, const Vec3& gravity, const SolidMeasure& solids) const;
 
  private:
   struct Spring {
@@ -30,7 +32,6 @@ class EnergyMeasure {
     Index body;
   };
 
-  double element_energy(const Body& body, Index element, std::span<const Vec3> x) const;
   double spring_energy(const Spring& spring, std::span<const Vec3> x) const;
 
   const Model& model_;

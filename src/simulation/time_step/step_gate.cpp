@@ -5,6 +5,7 @@
 #include "selvage/geometry/closest_point.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 
 namespace selvage {
@@ -25,6 +26,7 @@ constexpr double kStands = -1, kStandsAlways = -2;
 constexpr int kBentRounds = 12;
 /// Rounding of positions against sizes of elements: farther away than their ratio the sign of a volume means nothing.
 constexpr double kRounding = 0x1p-40;
+constexpr int kVertexRow = sizeof(StepVertex) / sizeof(double);
 constexpr double kImpactShare = 0.9, kLaterShare = 0.25;
 
 /// Where two segments are nearest: the places on both, from 0 to 1. Of parallel ones any.
@@ -42,9 +44,15 @@ std::array<double, 2> nearest_places(const Vec3& a, const Vec3& b, const Vec3& c
 
 StepGate::StepGate(const Model& model, Index contact_vertex_count, bool is_strict)
     : model_(model), is_strict_(is_strict) {
-  rest_volumes_.reserve(model.mesh.element_count());
-  for (const auto& element : model.mesh.elements())
-    rest_volumes_.push_back(element_volume(element, model.rest_positions));
+  const auto elements = model.mesh.elements();
+  batches_.resize((elements.size() + kThinBatch - 1) / kThinBatch);
+  is_thin_.resize(batches_.size());
+  for (ThinBatch& batch : batches_) std::fill_n(batch.least, kThinBatch, -std::numeric_limits<double>::infinity());
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    ThinBatch& batch = batches_[e / kThinBatch];
+    for (int k = 0; k < 4; ++k) batch.rows[k][e % kThinBatch] = kVertexRow * elements[e][k];
+    batch.least[e % kThinBatch] = 6 * kThinVolume * element_volume(elements[e], model.rest_positions);
+  }
   const auto count = static_cast<std::size_t>(model.mesh.vertex_count());
   candidate_.resize(contact_vertex_count);
   parents_.assign(count, kNone);
@@ -72,30 +80,29 @@ void StepGate::find_entries(const Step& step, const Carriers& carriers, std::spa
   entries_ = selvage::find_entries(carriers.colliders, step, carriers.max_corrections, members_, vertices);
 }
 
+/// Of an element that is thin at the end of the step.
+bool StepGate::is_collapsing(Index element, const Step& step, std::span<const StepVertex> vertices) const {
+  const auto& corners = model_.mesh.elements()[element];
+  const Vec3 origin = position(vertices[corners[0]]);
+  const Vec3 a = position(vertices[corners[1]]) - origin, b = position(vertices[corners[2]]) - origin,
+             c = position(vertices[corners[3]]) - origin;
+  const double volume = a.cross(b).dot(c) / 6, rest = element_volume(corners, model_.rest_positions),
+               before = element_volume(corners, step.positions);
+  const double kept = volume >= kThinVolume * rest ? 0 : volume >= kMinVolume * rest ? 0.5 : 1;
+  return before > 0 && volume < kept * before && origin.cwiseAbs().maxCoeff() * kRounding < std::cbrt(rest);
+}
+
 void StepGate::find_collapsing_elements(const Step& step, std::span<const StepVertex> vertices) {
-  const auto elements = model_.mesh.elements();
-  struct Found {
-    std::vector<Index> elements;
-    void add(const Found& other) { elements.insert(elements.end(), other.elements.begin(), other.elements.end()); }
-  };
-  Found found =
-      parallel_reduce<Found>(std::ssize(elements), kGrain, [&](std::int64_t first, std::int64_t last, Found& result) {
-        for (std::int64_t e = first; e < last; ++e) {
-          const auto& element = elements[e];
-          const Vec3 origin = position(vertices[element[0]]);
-          const Vec3 a = position(vertices[element[1]]) - origin, b = position(vertices[element[2]]) - origin,
-                     c = position(vertices[element[3]]) - origin;
-          const double volume = a.cross(b).dot(c) / 6;
-          if (volume >= kThinVolume * rest_volumes_[e]) continue;
-          const double before = element_volume(element, step.positions);
-          const double kept = volume >= kMinVolume * rest_volumes_[e] ? 0.5 : 1;
-          const bool collapses = before > 0 && volume < kept * before;
-          if (collapses && origin.cwiseAbs().maxCoeff() * kRounding < std::cbrt(rest_volumes_[e]))
-            result.elements.push_back(static_cast<Index>(e));
-        }
-      });
-  std::sort(found.elements.begin(), found.elements.end());
-  collapsing_ = std::move(found.elements);
+  parallel_ranges(std::ssize(batches_), kGrain / kThinBatch, [&](std::int64_t first, std::int64_t last) {
+    SELVAGE_DISPATCH(find_thin_batches, vertices.front().position, batches_.data(), first, last, is_thin_.data());
+  });
+  collapsing_.clear();
+  for (std::size_t n = 0; n < batches_.size(); ++n) {
+    if (!is_thin_[n]) continue;
+    const auto end = std::min<std::size_t>((n + 1) * kThinBatch, model_.mesh.element_count());
+    for (std::size_t e = n * kThinBatch; e < end; ++e)
+      if (is_collapsing(static_cast<Index>(e), step, vertices)) collapsing_.push_back(static_cast<Index>(e));
+  }
 }
 
 Index StepGate::root_of(Index vertex) {

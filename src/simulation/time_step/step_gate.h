@@ -3,6 +3,7 @@
 #include "selvage/contact/contact_finder.h"
 #include "selvage/simulation/model.h"
 #include "simulation/time_step/gate_zone.h"
+#include "simulation/time_step/thin_kernel.h"
 
 namespace selvage {
 
@@ -53,6 +54,7 @@ class StepGate {
                            std::span<StepVertex> vertices);
 
  private:
+  bool is_collapsing(Index element, const Step& step, std::span<const StepVertex> vertices) const;
   void find_collapsing_elements(const Step& step, std::span<const StepVertex> vertices);
   void find_impacts(ContactFinder& finder, std::span<const StepVertex> vertices);
   void find_entries(const Step& step, const Carriers& carriers, std::span<const StepVertex> vertices);
@@ -71,7 +73,8 @@ class StepGate {
 
   const Model& model_;
   bool is_strict_;
-  std::vector<double> rest_volumes_;  ///< (n_elements) [m^3]
+  std::vector<ThinBatch> batches_;      ///< all elements in their order
+  std::vector<unsigned char> is_thin_;  ///< (n_batches)
 
   std::vector<Vec3> candidate_;  ///< (n_contact_vertices) end of the step as it stands
   StepImpacts impacts_;

@@ -2,6 +2,7 @@
 #include "simulation/elements/element_terms.h"
 #include "core/isa.h"
 #include "simulation/bodies.h"
+#include "simulation/elements/rows.h"
 
 #include <Eigen/Eigenvalues>
 
@@ -93,7 +94,7 @@ StencilHessian<4> whole(const ElementDerivatives& derivatives) {
 }
 
 void compare_variants(const ElementTerms& terms, std::span<const Vec3> x) {
-  const std::vector<double> rows = terms.rows_of(x);
+  const std::vector<double> rows = rows_of(x);
   const auto batches = std::ssize(terms.batches());
   const std::size_t records = terms.record_count();
   std::vector<double> energies;
