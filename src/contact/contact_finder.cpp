@@ -133,6 +133,7 @@ void ContactFinder::Impl::begin_step(std::span<const Vec3> positions) {
   statistics = {};
   has_begun = true;
   positions_t0.assign(positions.begin(), positions.end());
+  impacts.begin_step();
   if (splits()) split_features();
   if (!options.wait_for_inverted) return;
   inverted = splits() ? InvertedVertices(mesh, of_mesh(positions_t0), search->locator().defective_elements())

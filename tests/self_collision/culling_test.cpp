@@ -19,17 +19,6 @@ namespace {
 using surfaces::Surface;
 using test::Random;
 using test::scaled;
-constexpr CullingMethod kAccurate[] = {CullingMethod::kNormalCone, CullingMethod::kEnhancedDualCone,
-                                       CullingMethod::kAuto};
-
-void expect_all_agree(const Surface& surface) {
-  for (const bool adjacent : {false, true}) {
-    const Pairs expected = pairs_by(CullingMethod::kBvh, surface, adjacent);
-    for (const CullingMethod method : kAccurate)
-      ASSERT_EQ(pairs_by(method, surface, adjacent), expected)
-          << culling_method_names()[static_cast<int>(method)] << (adjacent ? " adjacent" : "");
-  }
-}
 
 class CullingOf : public testing::TestWithParam<surfaces::Family> {};
 INSTANTIATE_TEST_SUITE_P(All, CullingOf, testing::ValuesIn(surfaces::families()), surfaces::name_of);
@@ -38,7 +27,7 @@ TEST_P(CullingOf, ChangesNoAnswer) {
   Random random(11);
   for (std::int64_t n = 0; n < scaled(60); ++n) {
     const Surface surface = GetParam().make(random);
-    ASSERT_NO_FATAL_FAILURE(expect_all_agree(n % 4 == 0 ? surfaces::snapped(surface, 3) : surface)) << n;
+    ASSERT_NO_FATAL_FAILURE(expect_methods_agree(n % 4 == 0 ? surfaces::snapped(surface, 3) : surface)) << n;
   }
 }
 
@@ -46,7 +35,7 @@ TEST(Culling, ChangesNoAnswerOnCombs) {
   for (const double lean : {0.0, 0.3, 0.8, 1.0, 1.4}) {
     const Surface surface = surfaces::comb(lean);
     EXPECT_EQ(pairs_by(CullingMethod::kBvh, surface).empty(), lean < 0.5) << lean;
-    ASSERT_NO_FATAL_FAILURE(expect_all_agree(surface)) << lean;
+    ASSERT_NO_FATAL_FAILURE(expect_methods_agree(surface)) << lean;
   }
 }
 
@@ -57,7 +46,7 @@ TEST(Culling, ChangesNoAnswerOnWavedSheets) {
   for (std::int64_t n = 0; n < scaled(200); ++n) {
     const Surface surface = surfaces::waved_sheet(random);
     triangles += std::ssize(surface.triangles);
-    ASSERT_NO_FATAL_FAILURE(expect_all_agree(n % 8 == 0 ? surfaces::snapped(surface, 4) : surface)) << n;
+    ASSERT_NO_FATAL_FAILURE(expect_methods_agree(n % 8 == 0 ? surfaces::snapped(surface, 4) : surface)) << n;
     for (std::size_t m = 0; m < std::size(kAccurate); ++m) pairs_by(kAccurate[m], surface, false, &counters[m]);
   }
   // Else nothing of the above means anything.
@@ -135,7 +124,7 @@ std::int64_t missed_by(CullingMethod method, const Surface& surface) {
 
 TEST(PublishedConditions, MissPairsOfLoosePieces) {
   const Surface surface = surfaces::crossed_rectangles();
-  ASSERT_NO_FATAL_FAILURE(expect_all_agree(surface));
+  ASSERT_NO_FATAL_FAILURE(expect_methods_agree(surface));
   EXPECT_GT(missed_by(CullingMethod::kDualCone, surface), 0);
   EXPECT_GT(missed_by(CullingMethod::kEnhancedDualConePublished, surface), 0);
 }
@@ -145,7 +134,7 @@ TEST(PublishedConditions, MissPairsOfOneConnectedPiece) {
   for (int turn = 0; turn < 90; turn += 15) {
     const Surface surface = surfaces::overwound_sector(turn);
     EXPECT_FALSE(pairs_by(CullingMethod::kBvh, surface).empty());
-    ASSERT_NO_FATAL_FAILURE(expect_all_agree(surface));
+    ASSERT_NO_FATAL_FAILURE(expect_methods_agree(surface));
     missed_by_dual += missed_by(CullingMethod::kDualCone, surface);
     missed_by_enhanced += missed_by(CullingMethod::kEnhancedDualConePublished, surface);
   }
@@ -159,7 +148,7 @@ TEST(PublishedConditions, MissPairsWithoutAnyBorder) {
   for (int n = 0; n < 5; ++n) {
     const Surface surface = surfaces::pushed_through(random);
     EXPECT_FALSE(pairs_by(CullingMethod::kBvh, surface).empty());
-    ASSERT_NO_FATAL_FAILURE(expect_all_agree(surface));
+    ASSERT_NO_FATAL_FAILURE(expect_methods_agree(surface));
     missed += missed_by(CullingMethod::kDualCone, surface);
   }
   EXPECT_GT(missed, 0);
@@ -173,7 +162,7 @@ TEST(PublishedConditions, MissPairsOfAShirtStuffedIntoABox) {
     Surface surface;
     surface.triangles = shirt.triangles();
     surface.positions = shirt.positions(std::floor(part * shirt.frame_count()));
-    ASSERT_NO_FATAL_FAILURE(expect_all_agree(surface));
+    ASSERT_NO_FATAL_FAILURE(expect_methods_agree(surface));
     all += std::ssize(pairs_by(CullingMethod::kBvh, surface));
     missed_by_dual += missed_by(CullingMethod::kDualCone, surface);
   }

@@ -23,7 +23,7 @@ TEST(PlanarEmbeddingTest, IsNotFooledByNestedContours) {
   EXPECT_EQ(input.contours(0).loops.size(), 2u);
   EXPECT_TRUE(input.embedding.do_triangles_face(0, plane));
   EXPECT_FALSE(input.embedding.is_contour_embedded(0, plane, input.workspace));
-  ASSERT_NO_FATAL_FAILURE(expect_all_agree(surface));
+  ASSERT_NO_FATAL_FAILURE(expect_methods_agree(surface));
 }
 
 TEST(PlanarEmbeddingTest, CullsSheetsSideBySideAndWithHoles) {

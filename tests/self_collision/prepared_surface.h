@@ -4,6 +4,8 @@
 #include "self_collision/surfaces.h"
 #include "selvage/self_collision/self_collision.h"
 
+#include <gtest/gtest.h>
+
 namespace selvage {
 
 using Pairs = std::vector<TrianglePair>;
@@ -19,6 +21,19 @@ inline Pairs pairs_by(CullingMethod method, const surfaces::Surface& surface, bo
                       SelfCollisionCounters* counters = nullptr) {
   const TriangleMesh mesh = surface.mesh();
   return SelfCollisionFinder(mesh, surface.positions, by(method, adjacent)).find_pairs(counters);
+}
+
+/// Methods that miss nothing.
+inline constexpr CullingMethod kAccurate[] = {CullingMethod::kNormalCone, CullingMethod::kEnhancedDualCone,
+                                              CullingMethod::kAuto};
+
+inline void expect_methods_agree(const surfaces::Surface& surface) {
+  for (const bool adjacent : {false, true}) {
+    const Pairs expected = pairs_by(CullingMethod::kBvh, surface, adjacent);
+    for (const CullingMethod method : kAccurate)
+      ASSERT_EQ(pairs_by(method, surface, adjacent), expected)
+          << culling_method_names()[static_cast<int>(method)] << (adjacent ? " adjacent" : "");
+  }
 }
 
 /// Per triangle its place in the order of the leaves.

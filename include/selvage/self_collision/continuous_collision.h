@@ -84,6 +84,15 @@ class ContinuousCollisionFinder {
   /// @param counters  null, or statistics to add those of this search to
   ContinuousPairs find_pairs(ContinuousCounters* counters = nullptr) const;
 
+  /// Takes other ends for some vertices of the step, and finds the pairs with one of these vertices among all that
+  /// find_pairs() would find now; pairs of other vertices are those of before. For solvers that move a few vertices
+  /// and ask again: costs what is near them, and O(n) of little. Where more than a few move, update() costs as much.
+  /// @param vertices      in any order
+  /// @param positions_t1  (n_vertices x 3), at other vertices than these as it was [m]
+  /// @throws Error        as update(), and when a vertex is out of range
+  ContinuousPairs move_ends(std::span<const Index> vertices, std::span<const Vec3> positions_t1,
+                            ContinuousCounters* counters = nullptr);
+
   /// Whether there is any pair: stops at the first.
   bool has_pairs(ContinuousCounters* counters = nullptr) const;
 

@@ -1,5 +1,5 @@
 #include "self_collision/continuous/bring_together.h"
-#include "self_collision/continuous/continuous_kernel.h"
+#include "self_collision/continuous/continuous_search.h"
 #include "self_collision/continuous/finder_input.h"
 #include "self_collision/continuous/impact_times.h"
 #include "self_collision/continuous/near_features.h"
@@ -52,6 +52,7 @@ struct ContinuousCollisionFinder::Impl {
   NearFeatures near;
   std::int64_t near_uses = 0;  ///< since they were listed
   int unused_lists = 0, steps_without_list = 0;
+  MarkedVertices moved;              ///< by move_ends()
   std::vector<Vec3> moved_on;        ///< where vertices would come to within a motion
   std::vector<LeafVertices> leaves;  ///< where stars have been trusted once
   std::vector<NeighbourPair> neighbours;
@@ -62,7 +63,8 @@ struct ContinuousCollisionFinder::Impl {
         options(std::move(o)),
         filter(PairFilter::where_needed(m, options.filters)),
         triangles(assign_representatives(m)),
-        near(m) {
+        near(m),
+        moved(m) {
     check_thickness(mesh, options.thickness);
     rebuild(positions_t0, positions_t1);
   }
@@ -141,7 +143,7 @@ struct ContinuousCollisionFinder::Impl {
       return false;
     }
     near.set_motion(margin, steps, pose);
-    near.set_pairs(search_beside_stars(near_input({}), nullptr, {}));
+    near.set_pairs(search_beside_stars(bvh, near_input(nullptr), *stars, nullptr, nullptr, {}));
     near_uses = 0;
     pose.move(positions_t0, positions_t1, near.vertices());
     return true;
@@ -160,23 +162,67 @@ struct ContinuousCollisionFinder::Impl {
       bvh.refit(near.motion().boxes());
       if (bvh.quality_loss() > Bvh::kRebuildAbove) return false;
       stars->place(near.motion().positions_t0(), near.motion().positions_t1(), near.margin(), near.strayed());
-      near.set_pairs(search_beside_stars(near_input(near.strayed_vertices()), nullptr, {}));
+      near.set_pairs(search_beside_stars(bvh, near_input(&near.taken()), *stars, &near.taken(), nullptr, {}));
     }
     ++near_uses;
     pose.move(positions_t0, positions_t1, near.vertices());
     return true;
   }
 
-  ContinuousInput near_input(std::span<const std::uint8_t> strayed) {
+  /// @param strayed  null: all vertices
+  ContinuousInput near_input(MarkedVertices* strayed) {
     ContinuousInput searched = input();
     searched.positions_t0 = near.motion().positions_t0().data();
     searched.positions_t1 = near.motion().positions_t1().data();
     searched.rounded = near.motion().rounded().data();
     searched.margin = near.motion().margin();
-    if (strayed.empty()) return searched;
-    searched.strayed = strayed.data();
-    searched.culled.strayed = near.mark_nodes(bvh.nodes()).data();
+    if (strayed == nullptr) return searched;
+    searched.strayed = strayed->vertex_marks().data();
+    searched.culled.strayed = strayed->node_marks(bvh.nodes()).data();
     return searched;
+  }
+
+  ContinuousPairs move_ends(std::span<const Index> vertices, std::span<const Vec3> positions_t1,
+                            ContinuousCounters* counters) {
+    for (const Index v : vertices) check_index("vertex", v, mesh.vertex_count());
+    check_positions<3>(positions_t1, mesh.vertex_count(), "positions_t1");
+    moved.clear();
+    for (const Index v : vertices) moved.mark(v);
+    const bool are_moved = take_ends(positions_t1);
+    if (!are_moved) {
+      const std::vector<Vec3> positions_t0(pose.positions_t0().begin(), pose.positions_t0().end());
+      update(positions_t0, positions_t1);
+    }
+    return search_moved(are_moved, counters);
+  }
+
+  /// Of the moved vertices. False: nothing has been taken that an update does not take again.
+  bool take_ends(std::span<const Vec3> positions_t1) {
+    if (near.is_set() || options.asked_once) return false;
+    std::vector<std::array<Vec3, 2>> ends;
+    for (const Index v : moved.vertices()) ends.push_back({pose.positions_t0()[v], positions_t1[v]});
+    if (!pose.replace(mesh, moved.vertices(), ends, moved.triangles())) return false;
+    refit();
+    culled = {};
+    is_watching = false;
+    return true;
+  }
+
+  /// Pairs with a moved vertex.
+  /// @param is_known  else all are found, after an update
+  ContinuousPairs search_moved(bool is_known, ContinuousCounters* counters) {
+    ContinuousInput searched = input();
+    if (is_known) searched.culled.strayed = moved.node_marks(bvh.nodes()).data();
+    std::vector<ContinuousResult> found;
+    if (is_known) found = search_all(bvh, searched, nullptr, options);
+    ContinuousPairs pairs = is_known ? bring_together(found, counters) : search(nullptr, counters);
+    std::erase_if(pairs.vertex_face, [&](const VertexFacePair& p) {
+      return !moved.has(p.vertex) && !moved.has_any(mesh.triangles()[p.face]);
+    });
+    std::erase_if(pairs.edge_edge, [&](const EdgeEdgePair& p) {
+      return !moved.has_any(mesh.edges()[p.first]) && !moved.has_any(mesh.edges()[p.second]);
+    });
+    return pairs;
   }
 
   /// Like culling, separated stars need no comparison. They pay where the surface keeps its shape for some steps, and
@@ -233,90 +279,14 @@ struct ContinuousCollisionFinder::Impl {
 
   ContinuousPairs search(std::atomic<bool>* stop, ContinuousCounters* counters) const {
     if (counters != nullptr) culled.counters.add_to(*counters);
-    if (near.is_set()) return search_near(stop, counters);
-    if (!is_watching) return search_all(stop, counters);
-    std::vector<ContinuousResult> results = search_beside_stars(input(), stop, options);
+    std::vector<ContinuousResult> results;
+    if (near.is_set())
+      results = search_near(input(), near, stop, options);
+    else if (is_watching)
+      results = search_beside_stars(bvh, input(), *stars, nullptr, stop, options);
+    else
+      results = search_all(bvh, input(), stop, options);
     return bring_together(results, counters);
-  }
-
-  ContinuousPairs search_all(std::atomic<bool>* stop, ContinuousCounters* counters) const {
-    const ContinuousInput searched = input();
-    const PairWork work = split_self_pair_work(
-        bvh, piece_count(bvh), [&](NodePair pair) { return !searched.culled.holds(bvh.nodes().data(), pair); });
-    std::vector<ContinuousResult> results(work.pieces.size() + 1);
-    results.back().counters.node_pairs = work.compared;
-    results.back().counters.self_node_pairs = work.compared_selves;
-    for (ContinuousResult& result : results) result.stop = stop;
-    SELVAGE_DISPATCH(test_listed_pairs, searched, work.found, results.back());
-    SearchProgress progress(options, std::ssize(results));
-    parallel_for(std::ssize(work.pieces), 1, [&](std::int64_t i) {
-      SELVAGE_DISPATCH(find_continuous_collisions, searched, work.pieces[i], results[i]);
-      progress.add(1);
-    });
-    ContinuousPairs pairs = bring_together(results, counters);
-    progress.add(1);
-    return pairs;
-  }
-
-  /// Only what came near in a step from which this one hardly differs.
-  ContinuousPairs search_near(std::atomic<bool>* stop, ContinuousCounters* counters) const {
-    constexpr std::int64_t kAtOnce = 256;
-    const ContinuousInput searched = input();
-    const std::span<const FeaturePair> pairs[] = {near.vertex_face(), near.edge_edge()};
-    const auto run_count = [&](int kind) { return (std::ssize(pairs[kind]) + kAtOnce - 1) / kAtOnce; };
-    std::vector<ContinuousResult> results(run_count(0) + run_count(1));
-    SearchProgress progress(options, std::ssize(results) + 1);
-    parallel_for(std::ssize(results), 1, [&](std::int64_t i) {
-      const int kind = i < run_count(0) ? 0 : 1;
-      const std::int64_t first = kAtOnce * (i - (kind == 0 ? 0 : run_count(0)));
-      const auto some = pairs[kind].subspan(first, std::min(kAtOnce, std::ssize(pairs[kind]) - first));
-      results[i].stop = stop;
-      if (stop == nullptr || !stop->load(std::memory_order_relaxed))
-        SELVAGE_DISPATCH(test_listed_features, searched, kind == 0 ? some : std::span<const FeaturePair>(),
-                         kind == 0 ? std::span<const FeaturePair>() : some, results[i]);
-      progress.add(1);
-    });
-    ContinuousPairs found = bring_together(results, counters);
-    progress.add(1);
-    return found;
-  }
-
-  /// Triangles without a common vertex by the hierarchy, others where their stars are open.
-  /// @param reporting  whose progress is reported
-  std::vector<ContinuousResult> search_beside_stars(const ContinuousInput& searched, std::atomic<bool>* stop,
-                                                    const SelfCollisionOptions& reporting) const {
-    constexpr std::int64_t kStarsAtOnce = 64;
-    SelfWork work = split_self_work(bvh, neighbours, searched.culled, piece_count(bvh));
-    const auto has_strayed = [&](const IndexPair& pair) {
-      const auto strayed = near.strayed_triangles();
-      return searched.strayed == nullptr || (strayed[pair.first] | strayed[pair.second]) != 0;
-    };
-    std::erase_if(work.found, [&](const IndexPair& pair) { return !has_strayed(pair) || do_share_vertex(pair); });
-    const std::span<const Index> open = stars->open();
-    const std::int64_t cut = std::ssize(work.pieces);
-    const std::int64_t run_count = (std::ssize(open) + kStarsAtOnce - 1) / kStarsAtOnce;
-    std::vector<ContinuousResult> results(cut + run_count + 1);
-    results.back().counters.node_pairs = work.counters.node_pairs;
-    results.back().counters.self_node_pairs = work.counters.self_node_pairs;
-    for (ContinuousResult& result : results) result.stop = stop;
-    SELVAGE_DISPATCH(test_listed_pairs, searched, work.found, results.back());
-    SearchProgress progress(reporting, std::ssize(results));
-    parallel_ranges(cut + run_count, 1, [&](std::int64_t first, std::int64_t last) {
-      const std::int64_t pieces_end = std::clamp(cut, first, last);
-      if (first < pieces_end)
-        SELVAGE_DISPATCH(find_nonadjacent_collisions, searched,
-                         std::span(work.pieces).subspan(first, pieces_end - first), results[first]);
-      std::vector<IndexPair> pairs;
-      for (std::int64_t run = pieces_end; run < last; ++run)
-        for (std::int64_t i = kStarsAtOnce * (run - cut);
-             i < std::min(kStarsAtOnce * (run - cut + 1), std::ssize(open)); ++i)
-          stars->append_pairs(open[i], pairs);
-      std::erase_if(pairs, [&](const IndexPair& pair) { return !has_strayed(pair); });
-      if (!pairs.empty()) SELVAGE_DISPATCH(test_listed_pairs, searched, pairs, results[last - 1]);
-      progress.add(last - first);
-    });
-    progress.add(1);
-    return results;
   }
 
   /// The earliest time of all pairs; 1 where none has any.
@@ -329,12 +299,6 @@ struct ContinuousCollisionFinder::Impl {
     find_earliest(pairs.vertex_face, progress, earliest, time_of);
     find_earliest(pairs.edge_edge, progress, earliest, time_of);
     return earliest;
-  }
-
-  bool do_share_vertex(const IndexPair& pair) const {
-    const auto& a = mesh.triangles()[pair.first];
-    const auto& b = mesh.triangles()[pair.second];
-    return std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
   }
 };
 
@@ -355,6 +319,11 @@ void ContinuousCollisionFinder::rebuild(std::span<const Vec3> positions_t0, std:
 
 ContinuousPairs ContinuousCollisionFinder::find_pairs(ContinuousCounters* counters) const {
   return impl_->search(nullptr, counters);
+}
+
+ContinuousPairs ContinuousCollisionFinder::move_ends(std::span<const Index> vertices,
+                                                     std::span<const Vec3> positions_t1, ContinuousCounters* counters) {
+  return impl_->move_ends(vertices, positions_t1, counters);
 }
 
 bool ContinuousCollisionFinder::has_pairs(ContinuousCounters* counters) const {

@@ -167,11 +167,7 @@ class Search {
   void run(NodePair start) {
     traversal::visit_meeting<true>(
         input_.nodes, input_.nodes, start, [&](NodePair pair) { return enter(pair); },
-        [&](const PrimitivePairs& pairs) {
-          result_.counters.box_pairs += count_bits(pairs.bits);
-          traversal::visit_each(input_.nodes, input_.nodes, pairs,
-                                [&](Index first, Index second) { triangles_.add(first, second); });
-        });
+        [&](const PrimitivePairs& pairs) { take(pairs); });
     triangles_.flush();
   }
 

@@ -60,7 +60,7 @@ void move_on(std::span<const Vec3> positions_t0, std::span<const Vec3> positions
   });
 }
 
-NearFeatures::NearFeatures(const TriangleMesh& mesh) : mesh_(mesh) {}
+NearFeatures::NearFeatures(const TriangleMesh& mesh) : mesh_(mesh), taken_(mesh) {}
 
 double NearFeatures::margin_at(std::span<const Vec3> positions) const {
   const Index count = mesh_.edge_count(), asked = std::min(count, kSampledEdges);
@@ -102,9 +102,7 @@ void NearFeatures::set_motion(double margin, int steps, const SweptSurface& moti
   vertex_face_.clear();
   edge_edge_.clear();
   strayed_.clear();
-  strayed_triangles_.clear();
-  is_strayed_.assign(mesh_.vertex_count(), 0);
-  is_triangle_strayed_.assign(mesh_.triangle_count(), 0);
+  taken_.clear();
   is_listed_.assign(mesh_.vertex_count(), 0);
 }
 
@@ -173,34 +171,17 @@ bool NearFeatures::has_paid(std::int64_t searches) const {
 bool NearFeatures::take_strayed(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
   strayed_ends_.clear();
   for (const Index v : strayed_) {
-    is_strayed_[v] = 1;
+    taken_.mark(v);
     const Vec3 way = positions_t1[v] - positions_t0[v];
     strayed_ends_.push_back({step_ == 0 ? positions_t0[v] : Vec3(positions_t0[v] - step_ * way),
                              step_ + 1 == steps_ ? positions_t1[v] : Vec3(positions_t0[v] + (steps_ - step_) * way)});
-    for (const Index t : mesh_.vertex_triangles(v))
-      if (std::exchange(is_triangle_strayed_[t], 1) == 0) strayed_triangles_.push_back(t);
   }
-  is_set_ = motion_.replace(mesh_, strayed_, strayed_ends_, strayed_triangles_);
+  is_set_ = motion_.replace(mesh_, strayed_, strayed_ends_, taken_.triangles());
   return is_set_;
 }
 
-std::span<const std::uint8_t> NearFeatures::mark_nodes(std::span<const BvhNode> nodes) {
-  node_masks_.resize(nodes.size());
-  for (std::int64_t n = std::ssize(nodes) - 1; n >= 0; --n) {
-    unsigned mask = 0;
-    for (int i = 0; i < nodes[n].child_count; ++i) {
-      const Index child = nodes[n].children[i];
-      mask |= static_cast<unsigned>((child < 0 ? node_masks_[~child] : is_triangle_strayed_[child]) != 0) << i;
-    }
-    node_masks_[n] = static_cast<std::uint8_t>(mask);
-  }
-  return node_masks_;
-}
-
 void NearFeatures::set_pairs(std::span<const ContinuousResult> results) {
-  const auto has_strayed = [&](const FeaturePair& pair) {
-    return std::any_of(pair.vertices.begin(), pair.vertices.end(), [&](Index v) { return is_strayed_[v] != 0; });
-  };
+  const auto has_strayed = [&](const FeaturePair& pair) { return taken_.has_any(pair.vertices); };
   std::erase_if(vertex_face_, has_strayed);
   std::erase_if(edge_edge_, has_strayed);
   for (const ContinuousResult& result : results) {
@@ -213,10 +194,8 @@ void NearFeatures::set_pairs(std::span<const ContinuousResult> results) {
       for (const Index v : pair.vertices)
         if (std::exchange(is_listed_[v], 1) == 0) vertices_.push_back(v);
   for (const Index v : vertices_) is_listed_[v] = 0;
-  for (const Index v : strayed_) is_strayed_[v] = 0;
-  for (const Index t : strayed_triangles_) is_triangle_strayed_[t] = 0;
   strayed_.clear();
-  strayed_triangles_.clear();
+  taken_.clear();
 }
 
 }  // namespace selvage

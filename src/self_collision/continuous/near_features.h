@@ -1,6 +1,6 @@
 #pragma once
 
-#include "bvh/bvh.h"
+#include "self_collision/continuous/marked_vertices.h"
 #include "self_collision/surface/continuous_input.h"
 #include "self_collision/surface/swept_surface.h"
 #include "selvage/mesh/triangle_mesh.h"
@@ -48,11 +48,8 @@ class NearFeatures {
   /// The motion that vertices may stray from, and its boxes.
   const SweptSurface& motion() const { return motion_; }
 
-  /// Not 0: a vertex that has strayed, a triangle with such vertices; per node the children with such triangles. Until
-  /// set_pairs().
-  std::span<const std::uint8_t> strayed_vertices() const { return is_strayed_; }
-  std::span<const std::uint8_t> strayed_triangles() const { return is_triangle_strayed_; }
-  std::span<const std::uint8_t> mark_nodes(std::span<const BvhNode> nodes);
+  /// Those taken, until set_pairs().
+  MarkedVertices& taken() { return taken_; }
 
   /// Takes the pairs with strayed vertices that come near, and forgets those of before.
   void set_pairs(std::span<const ContinuousResult> results);
@@ -75,9 +72,10 @@ class NearFeatures {
   int steps_wanted_ = 8;          ///< that the next motion is to last for
   std::int64_t strayed_sum_ = 0;  ///< since the motion was set
   SweptSurface motion_;
-  std::vector<Index> strayed_, strayed_triangles_;
+  std::vector<Index> strayed_;
+  MarkedVertices taken_;
   std::vector<std::array<Vec3, 2>> strayed_ends_;
-  std::vector<std::uint8_t> is_strayed_, is_triangle_strayed_, node_masks_, is_listed_;
+  std::vector<std::uint8_t> is_listed_;
   std::vector<FeaturePair> vertex_face_, edge_edge_;
   std::vector<Index> vertices_;
 };
