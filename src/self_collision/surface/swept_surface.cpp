@@ -66,11 +66,13 @@ void SweptSurface::place(const TriangleMesh& mesh, std::span<const Vec3> positio
     if (!thickness.empty()) thickness_[v] = round_up(units.map_length(thickness[v]) * (1 + 0x1p-19));
   });
   boxes_.resize(mesh.triangle_count());
-  parallel_for(mesh.triangle_count(), kGrain, [&](std::int64_t t) {
-    const auto& [a, b, c] = mesh.triangles()[t];
-    boxes_[t] = swept_box(rounded_[a], rounded_[b], rounded_[c], widening_of(margin_));
-    if (!thickness.empty()) widen(boxes_[t], std::max({thickness_[a], thickness_[b], thickness_[c]}));
-  });
+  parallel_for(mesh.triangle_count(), kGrain, [&](std::int64_t t) { fit_box(mesh, static_cast<Index>(t)); });
+}
+
+void SweptSurface::fit_box(const TriangleMesh& mesh, Index triangle) {
+  const auto& [a, b, c] = mesh.triangles()[triangle];
+  boxes_[triangle] = swept_box(rounded_[a], rounded_[b], rounded_[c], widening_of(margin_));
+  if (!thickness_.empty()) widen(boxes_[triangle], std::max({thickness_[a], thickness_[b], thickness_[c]}));
 }
 
 void SweptSurface::move(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1,
@@ -96,10 +98,7 @@ bool SweptSurface::replace(const TriangleMesh& mesh, std::span<const Index> vert
     for (const float x : rounded_[v].coordinates)
       if (!(std::abs(x) <= 1)) return false;
   }
-  for (const Index t : triangles) {
-    const auto& [a, b, c] = mesh.triangles()[t];
-    boxes_[t] = swept_box(rounded_[a], rounded_[b], rounded_[c], widening_of(margin_));
-  }
+  for (const Index t : triangles) fit_box(mesh, t);
   return true;
 }
 

@@ -45,6 +45,8 @@ class SweptSurface {
   void free_boxes() { boxes_ = {}; }
 
  private:
+  void fit_box(const TriangleMesh& mesh, Index triangle);
+
   UnsetVector<Vec3> positions_t0_, positions_t1_;
   UnsetVector<MovingVertex> rounded_;
   UnsetVector<float> thickness_;
