@@ -103,6 +103,32 @@ array([[3, 0],
           nb::arg("V0").none(), nb::arg("V1").none(), nb::sig("def update(self, V0: ArrayLike, V1: ArrayLike) -> None"),
           "Takes a new step, (n, 3) [m] each, and refits in O(n).")
       .def(
+          "move_ends",
+          [](StepFinder& self, nb::object vertices, nb::object v1) {
+            const Rows<Index> moved(vertices, "vertices");
+            const Rows<Vec3> x1(v1, "V1");
+            self.watch->begin();
+            return pair_arrays(without_interpreter([&] { return self.finder->move_ends(moved.span(), x1.span()); }));
+          },
+          nb::arg("vertices").none(), nb::arg("V1").none(),
+          nb::sig("def move_ends(self, vertices: ArrayLike, V1: ArrayLike) -> ContinuousPairs"),
+          R"(Takes other ends for some vertices, and finds the pairs with one of these among those that meet now.
+
+For solvers that move a few vertices and ask again: costs what is near them. Pairs of other vertices are those of before.
+
+Parameters
+----------
+vertices : (k,) array of integers
+    In any order.
+V1 : (n, 3) array
+    The end of the step [m], at other vertices as it was.
+
+Raises
+------
+selvage.Error
+    As `update`, and when a vertex is out of range.
+)")
+      .def(
           "rebuild",
           [](StepFinder& self, nb::object v0, nb::object v1) {
             const Rows<Vec3> x0(v0, "V0"), x1(v1, "V1");

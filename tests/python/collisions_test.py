@@ -167,6 +167,26 @@ def test_impact_times(pipe):
         finder.find_impact_times(selvage.ContinuousPairs(np.array([[0, 10**6]]), np.empty((0, 2), int)))
 
 
+def test_other_ends_of_some_vertices(pipe):
+    V0, V1 = pipe.positions(pipe.frame_count - 4), last(pipe)
+    mesh = selvage.TriangleMesh(V0, pipe.F)
+    finder = selvage.ContinuousCollisionFinder(mesh, V0, V1)
+    before = finder.find_pairs()
+    moved = np.unique(before.vertex_face[:, 0])[:5]
+    V1 = V1.copy()
+    V1[moved] = V0[moved]
+    found = finder.move_ends(moved, V1)
+    expected = selvage.ContinuousCollisionFinder(mesh, V0, V1).find_pairs()
+    has_moved = np.zeros(len(V0), bool)
+    has_moved[moved] = True
+    near = has_moved[expected.vertex_face[:, 0]] | has_moved[pipe.F[expected.vertex_face[:, 1]]].any(axis=1)
+    assert len(expected) < len(before)
+    assert np.array_equal(found.vertex_face, expected.vertex_face[near])
+    assert np.array_equal(finder.find_pairs().edge_edge, expected.edge_edge)
+    with pytest.raises(selvage.Error, match="vertex"):
+        finder.move_ends([10**6], V1)
+
+
 def test_methods_refuse_steps_of_other_sizes(two):
     V, F = two
     with pytest.raises(selvage.Error):
