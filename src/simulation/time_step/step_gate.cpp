@@ -21,8 +21,9 @@ constexpr double kCollapseShare = 0.6;
 /// is left; then nothing at all.
 constexpr int kImpactRounds = 2, kScaledRounds = 4, kBaseRounds = 7;
 constexpr double kStands = -1, kStandsAlways = -2;
-/// Rounds in which a zone is bent between carriers that move apart. Later the first of them carries it, so that the
-/// rounds end.
+/// Rounds in which a zone is bent between carriers that move apart, or fewer if a round changes nothing. Later the
+/// first of them carries it: the rounds end, and where there is no room the others get in a little, but no element
+/// inverts.
 constexpr int kBentRounds = 12;
 /// Rounding of positions against sizes of elements: farther away than their ratio the sign of a volume means nothing.
 constexpr double kRounding = 0x1p-40;
@@ -203,7 +204,7 @@ void StepGate::scale_zones(int round) {
 }
 
 /// False: no vertex has moved.
-bool StepGate::move_zones(int round, const Step& step, const Carriers& carriers, std::span<StepVertex> vertices) {
+bool StepGate::move_zones(bool may_bend, const Step& step, const Carriers& carriers, std::span<StepVertex> vertices) {
   std::map<Index, GateZone> zones;
   std::sort(members_.begin(), members_.end());
   for (const Index v : members_) zones[root_of(v)].vertices.push_back(v);
@@ -219,7 +220,7 @@ bool StepGate::move_zones(int round, const Step& step, const Carriers& carriers,
   bool any_moved = false;
   for (const auto& [root, zone] : zones) {
     const double share = std::max(shares_[root], 0.0);
-    const auto ways = zone.base_ways(model_, step, carriers, targets_, shares_[root] < 0, round < kBentRounds);
+    const auto ways = zone.base_ways(model_, step, carriers, targets_, shares_[root] < 0, may_bend);
     for (std::size_t i = 0; i < ways.size(); ++i) {
       const Index v = zone.vertices[i];
       if (!(vertices[v].inverse_mass > 0)) continue;
@@ -277,14 +278,18 @@ GateStatistics StepGate::hold_back(ContactFinder& finder, const Step& step, cons
   statistics.collapsing = std::ssize(collapsing_);
   targets_.resize(vertices.size());
   parallel_for(std::ssize(vertices), kGrain, [&](std::int64_t v) { targets_[v] = position(vertices[v]); });
-  for (; has_violations(); ++statistics.rounds) {
+  for (bool may_bend = true; has_violations(); ++statistics.rounds) {
     const auto round = static_cast<int>(statistics.rounds);
     join_violations(finder.surface(), step, carriers, vertices);
     scale_zones(round);
-    const bool any_moved = move_zones(round, step, carriers, vertices);
-    if (!any_moved && round > kBaseRounds &&
-        !(is_strict_ && stop_carried_zones(finder.surface()) && move_zones(round, step, carriers, vertices)))
-      break;
+    may_bend &= round < kBentRounds;
+    bool any_moved = move_zones(may_bend, step, carriers, vertices);
+    if (!any_moved && round > kBaseRounds) {
+      may_bend &= is_strict_;
+      if (!is_strict_ || stop_carried_zones(finder.surface()))
+        any_moved = move_zones(may_bend, step, carriers, vertices);
+      if (!any_moved) break;
+    }
     find_collapsing_elements(step, vertices);
     find_impacts(finder, vertices);
     find_entries(step, carriers, vertices);
