@@ -28,10 +28,10 @@ const std::string kHeap = R"({"selvage_scene": 1, "solver": "xpbd", "substeps": 
   "colliders": [{"box": {"min": [-0.9, -0.9, 0], "max": [0.9, 0.9, 5]}}]})";
 
 /// Soft cubes that fall on one another and slide off.
-const std::string kCubes = R"({"selvage_scene": 1, "solver": "vbd", "substeps": 1, "iterations": 5,
+const std::string kCubes = R"({"selvage_scene": 1, "solver": "vbd", "substeps": 1, "iterations": 3,
   "contact": {"guarantee": true},
   "bodies": [
-    {"mesh": {"shape": "box", "size": [1, 1, 1], "cell": 0.34}, "velocity": [0, 0, -6],
+    {"mesh": {"shape": "box", "size": [1, 1, 1], "cell": 0.34}, "velocity": [0, 0, -12],
      "instances": {"list": [{"translate": [0, 0, 0.2]}, {"translate": [0.31, 0.17, 1.4]}, {"translate": [0.7, 0.34, 2.6]}]},
      "material": {"youngs_modulus": 1e5, "poisson_ratio": 0.4}}],
   "colliders": [{"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}]})";

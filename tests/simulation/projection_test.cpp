@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
 #include <random>
 
 namespace selvage {
@@ -15,6 +16,7 @@ struct Scratch {
   std::vector<double> max_corrections = std::vector<double>(4, 1);
   Contact contact;
   FrictionState friction_state{};
+  std::vector<ColliderContactState> collider_states;  ///< of one collider
 
   Scratch(const std::array<double, 4>& masses, const Vec3& barycentric, double depth) {
     const std::array<Vec3, 3> corners{Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}};
@@ -40,7 +42,8 @@ struct Scratch {
     const std::vector<Vec3> velocities(start.size(), Vec3::Zero());
     std::vector<Vec3> ejected = velocities;
     ContactFriction of_contact{friction, friction_state};
-    project_contacts({&contact, 1}, {0, 0, 1, start, velocities}, max_corrections, {&of_contact, 1}, ejected, rows);
+    project_contacts({&contact, 1}, {0, 0, 1, start, velocities}, max_corrections, {collider_states, 1, 0},
+                     {&of_contact, 1}, ejected, rows);
     friction_state = of_contact.state;
   }
 };
@@ -65,6 +68,49 @@ TEST(Projection, ClosesTheGapAndKeepsMomentumWhateverTheMasses) {
       EXPECT_LE(scratch.moved(i).norm(), 1.37 * 0.1);
     }
     EXPECT_LE(momentum.norm(), 1e-15 * all);
+  }
+}
+
+/// The face lies on a floor that has pushed it in the step.
+TEST(Projection, PushesNoVertexIntoAColliderThatHasPushedIt) {
+  for (const bool in_this_step : {true, false}) {
+    Scratch scratch({1, 1, 1, 1}, {0.2, 0.3, 0.5}, 0.1);
+    scratch.collider_states.resize(4);
+    for (int i = 1; i < 4; ++i) {
+      scratch.collider_states[i].normal = Vec3::UnitZ();
+      scratch.collider_states[i].step = in_this_step ? 0 : 7;
+    }
+    scratch.project();
+    EXPECT_NEAR(scratch.gap(), 0, 1e-15);
+    if (!in_this_step) {
+      EXPECT_LT(scratch.moved(1)[2], -0.01);
+      continue;
+    }
+    EXPECT_NEAR(scratch.moved(0)[2], 0.1, 1e-15);
+    for (int i = 1; i < 4; ++i) {
+      EXPECT_EQ(scratch.moved(i), Vec3::Zero().eval());
+      EXPECT_GT(scratch.collider_states[i].friction.normal_sum, 0) << "it bears what the contact pushes";
+    }
+  }
+}
+
+/// Along the collider it moves, by no more than it might else.
+TEST(Projection, LetsAVertexSlideAlongACollider) {
+  for (const double degrees : {5.0, 40.0, 85.0}) {
+    Scratch scratch({0, 1, 1, 1}, {0.2, 0.3, 0.5}, 0.1);
+    const double angle = degrees * std::numbers::pi / 180;
+    const Vec3 normal(std::sin(angle), 0, std::cos(angle));
+    scratch.collider_states.resize(4);
+    for (int i = 1; i < 4; ++i) {
+      scratch.collider_states[i].normal = normal;
+      scratch.collider_states[i].step = 0;
+    }
+    scratch.project();
+    EXPECT_GT(scratch.gap(), degrees > 80 ? -1e-12 : -0.1);
+    for (int i = 1; i < 4; ++i) {
+      EXPECT_NEAR(scratch.moved(i).dot(normal), 0, 1e-15);
+      EXPECT_LE(scratch.moved(i).norm(), 1.3701 * 0.1);
+    }
   }
 }
 

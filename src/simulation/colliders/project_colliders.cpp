@@ -97,6 +97,7 @@ struct MovingCollider {
     const double push = hit->depth - state.depth_left;
     if (!(push > 0)) return contacts;
     contacts.count = 1;
+    state.normal = end.rotation * hit->normal;
     const Vec3 outside = p + push * hit->normal;
     const Vec3 moved = outside - was - end.rotation.transpose() * ejected;
     const Vec3 drift = end.invert(step.positions[v] + step.length() * step.velocities[v]) - was;

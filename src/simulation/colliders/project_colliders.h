@@ -13,6 +13,7 @@ namespace selvage {
 /// so that these are reset one by one when a step first uses them.
 struct ColliderContactState {
   FrictionState friction;
+  Vec3 normal = Vec3::Zero();   ///< of the last push
   Vec3 way_out = Vec3::Zero();  ///< unit normal where the vertex started the step inside
   double start_depth = 0;       ///< at the start of the step [m]; 0 where that is not to be undone
   double depth_left = 0;        ///< that may be left at the end of the step [m]
@@ -23,6 +24,35 @@ struct ColliderContactState {
   /// @param moved  by how much the vertex has moved in the step: where it was held back, there is less to undo [m]
   Vec3 depenetration(const Vec3& moved) const {
     return std::clamp(moved.dot(way_out), 0.0, std::min(start_depth - depth_left, friction.normal_sum)) * way_out;
+  }
+};
+
+/// What colliders have pushed in a step, so that nothing else needs to push it back into them.
+struct ColliderSupports {
+  std::span<ColliderContactState> states{};  ///< (n_vertices x n_colliders); empty: none has pushed any
+  std::size_t collider_count = 0;
+  std::int64_t step = -1;  ///< Step::number
+
+  /// A move of a vertex but for its parts into colliders that have pushed the vertex in the step.
+  Vec3 free_part(Index vertex, const Vec3& move) const {
+    return free_part(vertex, move, [](ColliderContactState&, double) {});
+  }
+  /// The same; these colliders take what is left out as load, for friction.
+  Vec3 take_load(Index vertex, const Vec3& move) const {
+    return free_part(vertex, move, [](ColliderContactState& state, double load) { state.friction.normal_sum += load; });
+  }
+
+ private:
+  template <typename Visit>
+  Vec3 free_part(Index vertex, Vec3 move, Visit&& visit) const {
+    const std::size_t first = static_cast<std::size_t>(vertex) * collider_count;
+    for (std::size_t i = first; i < first + collider_count && i < states.size(); ++i) {
+      const double load = states[i].step == step ? -states[i].normal.dot(move) : 0;
+      if (!(load > 0)) continue;
+      move += load * states[i].normal;
+      visit(states[i], load);
+    }
+    return move;
   }
 };
 

@@ -81,8 +81,8 @@ void ImplicitStep::project() {
     if (contact.kind == ContactKind::kVertexFace || contact.kind == ContactKind::kEdgeEdge) impacts_.push_back(contact);
   std::vector<ContactFriction> without_friction(impacts_.size());
   timed(statistics().seconds_projection, [&] {
-    project_contacts(impacts_, time_step_.step(), time_step_.max_corrections(), without_friction, time_step_.ejected(),
-                     time_step_.contact_vertices());
+    project_contacts(impacts_, time_step_.step(), time_step_.max_corrections(), time_step_.supports(), without_friction,
+                     time_step_.ejected(), time_step_.contact_vertices());
     time_step_.project_colliders();
   });
 }

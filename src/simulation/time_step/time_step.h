@@ -68,6 +68,11 @@ class TimeStep {
   /// Begun last. Its positions and velocities are those of contact_vertices().
   const Step& step() const { return step_; }
   std::span<const PreparedCollider> colliders() const { return colliders_; }
+  /// By the pushes of project_colliders() in this step.
+  ColliderSupports supports() {
+    if (collider_contacts_.count == 0) return {};
+    return {collider_states_, colliders_.size(), step_.number};
+  }
   /// (n_vertices) by which colliders hold cloth off [m]; empty where none is thick.
   std::span<const double> half_thickness() const { return half_thickness_; }
   /// (n_contact_vertices) see max_corrections_of(); infinite for colliders.

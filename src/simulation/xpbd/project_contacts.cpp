@@ -24,7 +24,8 @@ constexpr double kMaxMove = 1.37;
 /// have them in common, the contact is not closed completely.
 class ContactSides {
  public:
-  ContactSides(const Contact& contact, std::span<StepVertex> vertices) : contact_(contact), vertices_(vertices) {
+  ContactSides(const Contact& contact, const ColliderSupports& supports, std::span<StepVertex> vertices)
+      : contact_(contact), supports_(supports), vertices_(vertices) {
     std::array<double, 2> weights{}, masses{};
     for (int i = 0; i < contact.count; ++i) {
       const double inverse_mass = vertices[contact.vertices[i]].inverse_mass;
@@ -35,9 +36,12 @@ class ContactSides {
     for (int s = 0; s < 2; ++s) mobilities_[s] = masses[s] > 0 ? weights[s] / masses[s] : 0;
     double max_move = 0;
     for (int i = 0; i < contact.count; ++i) {
-      const double moved = mobility(i) * std::abs(contact.weights[i]);
-      mobility_ += moved * std::abs(contact.weights[i]);
-      max_move = std::max(max_move, moved);
+      const double weight = std::abs(contact.weights[i]), moved = mobility(i) * weight;
+      const Vec3 direction = contact.weights[i] > 0 ? contact.normal : Vec3(-contact.normal);
+      const Vec3 free = supports.free_part(contact.vertices[i], direction);
+      const bool is_free = free == direction;
+      mobility_ += moved * weight * (is_free ? 1 : direction.dot(free));
+      max_move = std::max(max_move, moved * (is_free ? 1 : free.norm()));
     }
     mobility_ = std::max(mobility_, max_move / kMaxMove);
   }
@@ -47,12 +51,17 @@ class ContactSides {
   /// How far each vertex moves where the offset between the two changes by a vector.
   template <typename Visit>
   void visit_moves(const Vec3& correction, Visit&& visit) const {
-    for (int i = 0; i < contact_.count; ++i)
-      visit(contact_.vertices[i], mobility(i) * contact_.weights[i] / mobility_ * correction);
+    for (int i = 0; i < contact_.count; ++i) {
+      const Vec3 move = mobility(i) * contact_.weights[i] / mobility_ * correction;
+      visit(contact_.vertices[i], supports_.free_part(contact_.vertices[i], move));
+    }
   }
 
   void move_apart(const Vec3& correction) {
-    visit_moves(correction, [&](Index v, const Vec3& move) { position(vertices_[v]) += move; });
+    for (int i = 0; i < contact_.count; ++i) {
+      const Vec3 move = mobility(i) * contact_.weights[i] / mobility_ * correction;
+      position(vertices_[contact_.vertices[i]]) += supports_.take_load(contact_.vertices[i], move);
+    }
   }
 
  private:
@@ -60,6 +69,7 @@ class ContactSides {
   double mobility(int i) const { return vertices_[contact_.vertices[i]].inverse_mass > 0 ? mobilities_[side(i)] : 0; }
 
   const Contact& contact_;
+  const ColliderSupports& supports_;
   std::span<StepVertex> vertices_;
   std::array<double, 2> mobilities_{};  ///< of the point, of the surface
   double mobility_ = 0;
@@ -90,7 +100,8 @@ double gap_to_keep(const Contact& contact, double before, double max_correction)
 }
 
 void project_contact(const Contact& contact, const Step& step, std::span<const double> max_corrections,
-                     ContactFriction& friction, std::span<Vec3> ejected, std::span<StepVertex> vertices) {
+                     const ColliderSupports& supports, ContactFriction& friction, std::span<Vec3> ejected,
+                     std::span<StepVertex> vertices) {
   const Vec3 offset = offset_between(contact, vertices);
   double depth = -contact.normal.dot(offset);
   if (!(depth > 0) && !(contact.distance > 0)) return;
@@ -104,7 +115,7 @@ void project_contact(const Contact& contact, const Step& step, std::span<const d
     depth += gap_to_keep(contact, contact.normal.dot(offset_between(contact, step.positions)), max_correction);
   }
   if (!(depth > 0)) return;
-  ContactSides sides(contact, vertices);
+  ContactSides sides(contact, supports, vertices);
   if (!sides.can_move()) return;
   const Vec3 out = depth * contact.normal;
   const Vec3 displacement = offset + out - offset_between(contact, step.positions);
@@ -117,16 +128,18 @@ void project_contact(const Contact& contact, const Step& step, std::span<const d
 }  // namespace
 
 void project_contacts(std::span<const Contact> contacts, const Step& step, std::span<const double> max_corrections,
-                      std::span<ContactFriction> frictions, std::span<Vec3> ejected, std::span<StepVertex> vertices) {
+                      const ColliderSupports& supports, std::span<ContactFriction> frictions, std::span<Vec3> ejected,
+                      std::span<StepVertex> vertices) {
   for (std::size_t i = 0; i < contacts.size(); ++i)
-    project_contact(contacts[i], step, max_corrections, frictions[i], ejected, vertices);
+    project_contact(contacts[i], step, max_corrections, supports, frictions[i], ejected, vertices);
 }
 
 void push_apart(std::span<const Contact> contacts, const Push& push, std::span<StepVertex> vertices) {
   for (const Contact& contact : contacts) {
     const double gap = contact.normal.dot(offset_between(contact, vertices));
     const double depth = std::min(push.clearance - gap, push.max_correction);
-    ContactSides sides(contact, vertices);
+    const ColliderSupports none{};
+    ContactSides sides(contact, none, vertices);
     if (depth > 0 && sides.can_move()) sides.move_apart(depth * contact.normal);
   }
 }

@@ -2,6 +2,7 @@
 
 #include "selvage/contact/contact.h"
 #include "selvage/contact/friction.h"
+#include "simulation/colliders/project_colliders.h"
 #include "simulation/step.h"
 #include "simulation/step_vertex.h"
 
@@ -23,11 +24,16 @@ struct ContactFriction {
 /// are inverted, the way out can be a long detour, and all of it at once would invert the point's own elements, and
 /// theirs in turn others.
 ///
+/// A vertex that a collider has pushed in the step is not pushed back into it: the other side of the contact moves all
+/// the way. Else either would undo a half of the other, and where a body stands on vertices of another that lie on the
+/// floor, contacts would still be open at the end of the step, to be held back as they were at its start.
+///
 /// @param max_corrections  (n_vertices) see max_corrections_of() [m]
 /// @param frictions        (n_contacts) updated
 /// @param ejected          (n_vertices) see TimeStep::ejected() [m]; updated
 void project_contacts(std::span<const Contact> contacts, const Step& step, std::span<const double> max_corrections,
-                      std::span<ContactFriction> frictions, std::span<Vec3> ejected, std::span<StepVertex> vertices);
+                      const ColliderSupports& supports, std::span<ContactFriction> frictions, std::span<Vec3> ejected,
+                      std::span<StepVertex> vertices);
 
 /// How far points are pushed out of surfaces.
 struct Push {

@@ -68,8 +68,8 @@ struct XpbdSolver::Impl {
     timed(statistics().seconds_projection, [&] {
       for (std::size_t i = frictions.size(); i < time_step.contacts().size(); ++i)
         frictions.push_back({time_step.friction_of(time_step.contacts()[i])});
-      project_contacts(time_step.contacts(), time_step.step(), time_step.max_corrections(), frictions,
-                       time_step.ejected(), time_step.contact_vertices());
+      project_contacts(time_step.contacts(), time_step.step(), time_step.max_corrections(), time_step.supports(),
+                       frictions, time_step.ejected(), time_step.contact_vertices());
       time_step.project_colliders();
     });
   }
