@@ -46,6 +46,10 @@ struct SelfCollisionOptions {
   /// The finder serves one pose or step, not many: spend less time on building the hierarchy, and more on the search.
   bool asked_once = false;
 
+  /// ContinuousCollisionFinder::update() may keep what it knows of pairs that come near for the steps after, which then
+  /// look again only at what has moved otherwise. Changes no answer. False: each step is searched as if it were alone.
+  bool reuse = true;
+
   PairFilters filters;
 
   /// (n_vertices) thickness of the surface at each vertex [m]; empty: none. That of a triangle or an edge is the

@@ -112,22 +112,31 @@ struct ContinuousCollisionFinder::Impl {
   }
 
   /// Whether to list what comes near, for later steps. It pays where stars do, for else most of the surface may be left
-  /// out at once; and where lists are used. Where they are not, ever fewer steps try again.
-  bool begin_list() {
+  /// out at once; and where all but rests, so that a list lasts. Where lists are not used, ever fewer steps try again.
+  bool begin_list(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
     if (near.is_set()) {
-      unused_lists = near.has_paid(near_uses) ? 0 : std::min(unused_lists + 1, kMaxFailures);
-      steps_without_list = unused_lists == 0 ? 0 : 16 << unused_lists;
+      if (near.has_paid(near_uses)) {
+        unused_lists = steps_without_list = 0;
+      } else {
+        count_unused_list();
+      }
     }
     near.clear();
-    if (!trusts_stars || options.asked_once) return false;
+    if (options.method != CullingMethod::kAuto || !is_culling() || options.asked_once || !options.reuse) return false;
+    if (!trusts_stars && !near.nearly_rests(near.margin_at(positions_t0), positions_t0, positions_t1)) return false;
     if (steps_without_list == 0) return true;
     --steps_without_list;
     return false;
   }
 
+  void count_unused_list() {
+    unused_lists = std::min(unused_lists + 1, kMaxFailures);
+    steps_without_list = 16 << unused_lists;
+  }
+
   /// Lists what comes near while all moves on as in this step. False: that is of no use.
   bool list_near(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
-    if (!begin_list() || !are_of_all(positions_t0, positions_t1)) return false;
+    if (!are_of_all(positions_t0, positions_t1) || !begin_list(positions_t0, positions_t1)) return false;
     const double margin = near.margin_at(positions_t0);
     const int steps = near.choose_steps(margin, positions_t0, positions_t1, pose);
     if (steps == 0) return false;
@@ -137,9 +146,13 @@ struct ContinuousCollisionFinder::Impl {
     refit();
     culled = {};
     is_watching = false;
+    const bool are_new = !stars;
+    if (are_new) stars.emplace(mesh);
+    if (neighbours.empty()) list_neighbours_of_leaves();
     stars->place(positions_t0, moved_on, margin);
-    if (kMaxMeasuredShare * stars->measured_count() > stars->count()) {
+    if (!are_new && kMaxMeasuredShare * stars->measured_count() > stars->count()) {
       near.shorten();
+      if (!trusts_stars) count_unused_list();
       return false;
     }
     near.set_motion(margin, steps, pose);

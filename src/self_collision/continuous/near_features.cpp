@@ -22,6 +22,8 @@ constexpr std::int64_t kMaxStrayedSumShare = 5;
 /// A list has to serve so many searches to pay, and no more than one vertex in so many may stray in each of them.
 constexpr std::int64_t kMinSearches = 4, kMaxStrayedRate = 64;
 constexpr int kMaxSteps = 16;
+/// What rests takes more steps than that to move by the margin.
+constexpr double kRestingSteps = 16;
 /// What trembles does not move on: of its way, by how much that of a vertex may differ from the one before.
 constexpr double kMaxTurn = 0.5;
 /// Of the mean length of an edge: how far most vertices may move within a motion.
@@ -85,6 +87,13 @@ int NearFeatures::choose_steps(double margin, std::span<const Vec3> positions_t0
   const double longest = kMaxWayPart / kMarginPart * margin / way;
   const int steps = turn > kMaxTurn * way ? 1 : longest < steps_wanted_ ? static_cast<int>(longest) : steps_wanted_;
   return steps > 1 ? steps : way < 0.5 * margin ? 1 : 0;
+}
+
+bool NearFeatures::nearly_rests(double margin, std::span<const Vec3> positions_t0,
+                                std::span<const Vec3> positions_t1) const {
+  std::vector<double> ways;
+  sample_vertices(mesh_.vertex_count(), [&](Index v) { ways.push_back(largest(positions_t1[v] - positions_t0[v])); });
+  return !ways.empty() && kRestingSteps * median(ways) < margin;
 }
 
 void NearFeatures::clear() {

@@ -24,6 +24,8 @@ class NearFeatures {
   /// serve the step after this one. O(1).
   int choose_steps(double margin, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1,
                    const SweptSurface& last) const;
+  /// Whether most vertices move so little that none would stray for many steps. O(1).
+  bool nearly_rests(double margin, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) const;
   /// Lets the next motions last for fewer steps.
   void shorten() { steps_wanted_ = std::max(1, steps_wanted_ / 2); }
 
