@@ -91,9 +91,12 @@ void move_by_name(IndexedMesh& mesh, std::string_view name, const PoseOptions& o
   if (name == "twist") {
     const int axis = option.axis();
     const double turns = option.turns(1);
+    const int crossings = option.crossings(1);
     option.finish(name);
-    pose_twist(mesh.positions, axis, turns);
-    pose_self_crossing(mesh.positions, axis, 1);
+    std::vector<Vec3> moved = mesh.positions;  // either of the two may refuse
+    pose_twist(moved, axis, turns);
+    if (crossings != 0) pose_self_crossing(moved, axis, crossings);
+    mesh.positions = std::move(moved);
   } else if (name == "bend") {
     const int axis = option.axis();
     const double turns = option.turns(1.25);

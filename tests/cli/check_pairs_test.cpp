@@ -184,6 +184,12 @@ TEST_F(CheckPairsTest, WeldJoinsTheVerticesOfAnStl) {
   EXPECT_NE(apart.out.find("ball.stl: no triangles share a vertex"), std::string::npos) << apart.out;
   EXPECT_NE(apart.out.find("--weld"), std::string::npos) << apart.out;
   EXPECT_TRUE(check("ball.stl", 1).contains("hint"));
+  run_well("make box --cell 0.5 -o box.obj -q");
+  const Outcome against = run("check box.obj --against ball.stl");
+  EXPECT_EQ(against.out.find("touching; try"), std::string::npos) << against.out;
+  EXPECT_NE(against.out.find("ball.stl: no triangles share a vertex, so that vertices and edges count once"),
+            std::string::npos)
+      << against.out;
   const json welded = check("ball.stl --weld", 0);
   EXPECT_EQ(welded["weld"], true);
   EXPECT_FALSE(welded.contains("hint"));

@@ -140,6 +140,10 @@ TEST_F(MakeTest, PosesAMeshOfYourOwn) {
   apply_pose(wanted, "bend", {.turns = 0.5});
   EXPECT_EQ(read_mesh(file("bent.vtu")).positions, wanted.positions);
   EXPECT_EQ(json::parse(read_text(file("made.json")))["shape"], "own.msh");
+  run_well("make box --cell 0.25 -o short.vtu -q");
+  expect_refused("make short.vtu --pose twist -o out.vtu", 2, {"turn inside out"});
+  run_well("make short.vtu --pose twist,crossings=0,turns=0.2 -o turned.vtu -q");
+  EXPECT_EQ(run("check turned.vtu -q").status, 0);
   // A surface keeps its objects; the format may change.
   write_text(file("own.obj"), "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.5\no cape\nf 1 2 3\nf 1 3 4\n");
   run_well("make own.obj --centre -o moved.obj -q");

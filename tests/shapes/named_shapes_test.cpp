@@ -150,6 +150,26 @@ TEST(NamedPosesRefuse, ElementsTooLargeForABend) {
   EXPECT_EQ(test::count_not_positive(fine), 0);
 }
 
+// A loop needs a mesh that is long; to be turned needs nothing.
+TEST(NamedPoses, TwistThrowsAsManyLoopsAsItIsToldAndNoneOfACube) {
+  const IndexedMesh cube = make_shape("box", {.cell = 0.1});
+  IndexedMesh twisted = cube, wanted = cube;
+  EXPECT_NE(refusal([&] { apply_pose(twisted, "twist", {.axis = 2, .turns = 0.2}); }).find("inside out"),
+            std::string::npos);
+  apply_pose(twisted, "twist", {.axis = 2, .turns = 0.2, .crossings = 0});
+  pose_twist(wanted.positions, 2, 0.2);
+  EXPECT_EQ(twisted.positions, wanted.positions);
+  EXPECT_NE(refusal([&] { apply_pose(twisted, "twist", {.crossings = -1}); }).find("out of range"), std::string::npos);
+
+  const IndexedMesh rod = make_shape("rod", {.cell = 0.1, .length = 12});
+  IndexedMesh looped = rod;
+  wanted = rod;
+  apply_pose(looped, "twist", {.turns = 1, .crossings = 2});
+  pose_twist(wanted.positions, 0, 1);
+  pose_self_crossing(wanted.positions, 0, 2);
+  EXPECT_EQ(looped.positions, wanted.positions);
+}
+
 TEST(Demonstration, AnOctopusOfThirtyThousandAndANoodleTangle) {
   IndexedMesh octopus = make_shape("octopus", {.elements = 30000});
   EXPECT_NEAR(static_cast<double>(octopus.tetrahedra.size()), 30000, 3000);

@@ -50,7 +50,7 @@ struct PoseOptions {
   std::optional<int> axis = {};       ///< default: the mesh's longest; not for swirl and overlap
   std::optional<double> turns = {};   ///< twist (1), bend (1.25), swirl (0.15)
   std::optional<double> angle = {};   ///< fold [rad] (4.2)
-  std::optional<int> crossings = {};  ///< self-crossing (2)
+  std::optional<int> crossings = {};  ///< self-crossing (2), twist (1; 0: only turned)
   std::optional<double> core = {};    ///< swirl (0.5)
   std::optional<Vec3> offset = {};    ///< overlap [m] (about a third of the mesh's size)
 };
@@ -58,8 +58,9 @@ struct PoseOptions {
 /// Names that apply_pose knows: twist, bend, fold, swirl, self-crossing, overlap.
 std::span<const std::string_view> pose_names();
 
-/// Poses a mesh by name. Two of the names do more than the map of that name: `twist` also lets the mesh throw one loop
-/// through itself, as a twisted rope does; `overlap` adds a copy of the mesh as a second object, moved by the offset.
+/// Poses a mesh by name. Two of the names do more than the map of that name: `twist` also lets the mesh throw a loop
+/// through itself, as a twisted rope does, unless it is to have none; `overlap` adds a copy of the mesh as a second
+/// object, moved by the offset.
 /// @throws Error  for an unknown name, an option that the pose does not have, arguments that the pose refuses, and when
 ///                a tetrahedron would turn over or be flattened; the mesh is as it was then
 void apply_pose(IndexedMesh& mesh, std::string_view name, const PoseOptions& options = {});

@@ -58,7 +58,7 @@ constexpr const char* kMakeExample =
     "                   along x, the middle of the rope at x = 0\n"
     "  tube, gear, sleeve\n"
     "                   from the plane z = 0 upwards, around the z axis\n"
-    "  noodle           a coil around the z axis, from z = 0 upwards\n"
+    "  noodle           a coil around the z axis, its middle line from z = 0 upwards\n"
     "  trefoil, nested-knot, torus\n"
     "                   around the origin, flat along z\n"
     "  ball, octopus    around the origin, as far as --radius\n"
@@ -66,7 +66,9 @@ constexpr const char* kMakeExample =
     "\n"
     "Poses, with their defaults; without an axis, the longest one of the mesh:\n"
     "  twist,turns=1   bend,turns=1.25   fold,angle=4.2   self-crossing,crossings=2\n"
-    "  swirl,turns=0.15,core=0.5   overlap: a copy, a third of its size away";
+    "  swirl,turns=0.15,core=0.5   overlap: a copy, a third of its size away\n"
+    "  twist also throws a loop through the mesh, which must be long and thin for it;\n"
+    "  twist,crossings=0 only turns it";
 
 /// The name under which the library knows the shape: a bent rod has the name of its curve.
 std::string shape_name(const MakeOptions& options) {

@@ -144,11 +144,13 @@ void print_summary(const ResolveCommandOptions& options, const ResolveReport& re
             fmt::format("{} before, {} after", grouped(before.inverted_elements), grouped(after.inverted_elements)));
   table.add("moved", fmt::format("{} vertices, at most {:.3g} m, on average {:.3g} m", grouped(report.moved_vertices),
                                  report.max_displacement, report.mean_displacement));
-  // Before, inverted elements count as negative: with them only the rest tells how much there should be.
-  const bool has_rest = !options.rest.empty();
-  table.add("volume", fmt::format("{:.6g} m^3, {:+.2g}% {}", report.volume_after,
-                                  change(has_rest ? report.volume_at_rest : report.volume_before, report.volume_after),
-                                  has_rest ? "beside the rest" : "beside the mesh before"));
+  // Before, inverted elements count as negative: with them only the rest tells how much there should be. But a pose
+  // that is kept may have more or less of it.
+  std::string volume = fmt::format("{:.6g} m^3, ", report.volume_after);
+  if (!options.rest.empty())
+    volume += fmt::format("{:+.2g}% beside the rest, ", change(report.volume_at_rest, report.volume_after));
+  volume += fmt::format("{:+.2g}% beside the mesh before", change(report.volume_before, report.volume_after));
+  table.add("volume", volume);
   table.add("elastic energy", fmt::format("{:.3g} J before, {:.3g} J after, for a Young's modulus of 1 Pa",
                                           report.elastic_energy_before, report.elastic_energy_after));
   table.add("time", readable_duration(seconds));

@@ -76,9 +76,8 @@ class FrameProgress {
     const double seconds = seconds_since(start_);
     const auto done = static_cast<double>(frame - first_), left = static_cast<double>(last_ - frame);
     std::string note = fmt::format("{} of {}", frame, last_);
-    if (done > 0)
-      note +=
-          fmt::format(", {} a minute, {} left", per_minute(done, seconds), readable_duration(left * seconds / done));
+    if (done > 0) note += fmt::format(", {} a minute", per_minute(done, seconds));
+    if (done > 0 && left > 0) note += fmt::format(", {} left", readable_duration(left * seconds / done));
     show(frame, note);
   }
   void show_step(const StepProgress& step) {

@@ -166,7 +166,10 @@ std::string unshared_hint(const CollisionReport& report) {
   for (const CheckedSurface* mesh : {&report.first, report.second ? &*report.second : nullptr})
     if (mesh != nullptr && mesh->shares_nothing) files += (files.empty() ? "" : ", ") + mesh->file;
   if (files.empty()) return files;
-  return fmt::format("{}: no triangles share a vertex, so that neighbours count as touching; try --weld", files);
+  // Between two meshes no neighbours are compared.
+  return fmt::format(
+      "{}: no triangles share a vertex, so that {}; try --weld", files,
+      report.second ? "vertices and edges count once for each triangle" : "neighbours count as touching");
 }
 
 }  // namespace selvage::cli
