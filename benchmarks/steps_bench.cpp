@@ -82,10 +82,33 @@ void run_steps(benchmark::State& state) {
   state.counters["nodes"] = static_cast<double>(counters.node_pairs) / steps;
 }
 
+/// The poses at the ends of the same steps, each by itself: there is nothing that is reused but the hierarchy.
+void run_poses(benchmark::State& state) {
+  const Recording& recording = recorded();
+  const auto& poses = recording.steps[static_cast<std::size_t>(state.range(0))];
+  const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
+  SelfCollisionFinder finder(recording.surface, poses[0]);
+  for (auto _ : state)
+    for (int step = 0; step < kSteps; ++step) {
+      finder.update(poses[step + 1]);
+      benchmark::DoNotOptimize(finder.find_pairs());
+    }
+  const double steps = kSteps * static_cast<double>(state.iterations());
+  state.SetLabel(kStages[static_cast<std::size_t>(state.range(0))].name);
+  state.counters["s/step"] = benchmark::Counter(steps, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
 BENCHMARK(run_steps)
     ->Name("Steps")
     ->ArgNames({"stage", "reuse"})
     ->ArgsProduct({{0, 1, 2, 3, 4}, {0, 1}})
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
+
+BENCHMARK(run_poses)
+    ->Name("StepPoses")
+    ->ArgName("stage")
+    ->DenseRange(0, 4)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 
