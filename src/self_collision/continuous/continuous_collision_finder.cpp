@@ -31,6 +31,8 @@ ContinuousCounters& ContinuousCounters::operator+=(const ContinuousCounters& oth
 struct ContinuousCollisionFinder::Impl {
   /// Stars pay where at most one in so many is measured in a step.
   static constexpr std::int64_t kMaxMeasuredShare = 4;
+  /// And where culling leaves at least one triangle in so many.
+  static constexpr std::int64_t kMinLeftShare = 8;
   /// Where they do not pay, ever fewer steps try again, at last every 2^kMaxFailures-th.
   static constexpr int kMaxFailures = 6;
   /// Of the margin: how much farther vertices that stray may come.
@@ -239,11 +241,11 @@ struct ContinuousCollisionFinder::Impl {
   }
 
   /// Like culling, separated stars need no comparison. They pay where the surface keeps its shape for some steps, and
-  /// where culling has not left out most of it.
+  /// where culling has not left out nearly all of it.
   void watch_stars() {
     is_watching = false;
     if (options.method != CullingMethod::kAuto || !is_culling()) return;
-    if (2 * culled.counters.culled_triangles > mesh.triangle_count()) return;
+    if (kMinLeftShare * (mesh.triangle_count() - culled.counters.culled_triangles) < mesh.triangle_count()) return;
     if (steps_without_stars > 0) {
       --steps_without_stars;
       return;

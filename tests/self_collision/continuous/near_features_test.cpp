@@ -207,16 +207,18 @@ TEST(NearFeatures, AreAllThatIsTestedWhereNothingMoves) {
   }
 }
 
-// Of smooth bodies culling leaves out most, so that stars are not watched: lists serve them at rest all the same.
-TEST(NearFeatures, ServeWhatRestsHoweverMuchIsCulledAndAreKeptOnlyWhereWanted) {
+// No step has shown yet that stars pay.
+TEST(NearFeatures, ServeWhatRestsFromTheFirstStepAndAreKeptOnlyWhereWanted) {
   Random random(seed(88));
-  const IndexedMesh ball = make_ball(1, 0.2);
-  IndexedMesh balls = concatenate(std::array{ball, ball});
-  for (std::size_t v = ball.positions.size(); v < balls.positions.size(); ++v) balls.positions[v][2] += 2.2;
-  const TriangleMesh mesh = boundary_surface(TetMesh(static_cast<Index>(balls.positions.size()), balls.tetrahedra));
+  IndexedMesh sheet = make_cloth(1, 1, 0.05);
+  for (Vec3& x : sheet.positions) x[2] = 0.05 * std::sin(9 * x[0]) * std::cos(7 * x[1]);
+  IndexedMesh sheets = concatenate(std::array{sheet, sheet});
+  const auto vertex_count = static_cast<Index>(sheets.positions.size());
+  for (Index v = vertex_count / 2; v < vertex_count; ++v) sheets.positions[v] += Vec3(0.01, 0.02, 0.03);
+  const TriangleMesh mesh(vertex_count, sheets.triangles);
   SelfCollisionOptions alone;
   alone.reuse = false;
-  Positions start = balls.positions;
+  Positions start = sheets.positions;
   ContinuousCollisionFinder finder(mesh, start, start);
   ContinuousCollisionFinder forgetful(mesh, start, start, alone);
   for (int step = 0; step < 20; ++step) {
@@ -230,7 +232,6 @@ TEST(NearFeatures, ServeWhatRestsHoweverMuchIsCulledAndAreKeptOnlyWhereWanted) {
     EXPECT_EQ(pairs, forgetful.find_pairs(&counters_alone));
     EXPECT_EQ(counters.node_pairs + counters.self_node_pairs, 0) << step;
     EXPECT_GT(counters_alone.node_pairs + counters_alone.self_node_pairs, 0) << step;
-    EXPECT_GT(2 * counters_alone.culled_triangles, mesh.triangle_count());
     start = end;
   }
 }
