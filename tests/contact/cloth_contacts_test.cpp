@@ -1,12 +1,15 @@
 // Cloth among the bodies of a contact finder: met from both sides, without an inside, held off by its thickness.
 #include "contact_steps.h"
 #include "selvage/core/error.h"
+#include "selvage/geometry/predicates.h"
 #include "selvage/shapes/shapes.h"
 #include "solids.h"
+#include "test_scale.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace selvage {
 namespace {
@@ -69,6 +72,39 @@ TEST(ClothContacts, WhatIsNearIsHeldOffByTheThickness) {
   const std::vector<Index> objects{0, 0, 0, 1, 1, 1};
   ContactFinder two(s.mesh, near, near, objects, {}, {}, {s.triangles, thickness});
   EXPECT_FALSE(test::contacts_of_step(two, near, near).empty());
+}
+
+// Apart by rounding alone, the nearest points say nothing of the direction.
+TEST(ClothContacts, WhatNearlyTouchesIsHeldOffToItsOwnSide) {
+  const TwoTriangles s;
+  const std::vector<double> thickness(6, 0.02);
+  test::Random random(test::seed(95));
+  int faces = 0, edges = 0;
+  for (std::int64_t n = 0; n < test::scaled(300); ++n) {
+    const Eigen::AngleAxisd turn(random.within(0, 3), random.vector(1).normalized());
+    const Vec3 shift = random.vector(0.3);
+    const auto placed = [&](Positions all) {
+      // Every other one with edges that cross, in place of a tip.
+      if (n % 2 == 0) all = {all[0], all[1], all[2], {-0.5, -2, all[3][2]}, {-0.5, 2, all[3][2]}, {-0.5, 0, 3}};
+      for (Vec3& x : all) x = turn * x + shift;
+      return all;
+    };
+    const Positions t0 = placed(s.with_tip(random.within(-1, 1) * std::pow(10, -random.within(12, 19))));
+    ContactFinder finder(s.mesh, placed(s.with_tip(5)), t0, {}, {}, {}, {s.triangles, thickness});
+    for (const Contact& contact : test::contacts_of_step(finder, t0, t0)) {
+      if (contact.distance == 0 || contact.kind == ContactKind::kContour) continue;
+      EXPECT_NEAR(contact.normal.norm(), 1, 1e-12);
+      EXPECT_GT(gap_of(contact, t0), -1e-15);
+      if (contact.kind == ContactKind::kVertexFace && contact.point_feature == 3 && n % 2 == 1) {
+        ++faces;
+        const double side = orient3d(t0[0], t0[1], t0[2], t0[3]);
+        EXPECT_NEAR(contact.normal.dot(turn * Vec3(0, 0, 1)), side, 1e-9);
+      }
+      edges += contact.kind == ContactKind::kEdgeEdge;
+    }
+  }
+  EXPECT_GT(faces, test::scaled(100));
+  EXPECT_GT(edges, test::scaled(50));
 }
 
 TEST(ClothContacts, WhatStandsInElementsIsSentOut) {

@@ -1,6 +1,7 @@
 #include "contact/impacts/near_contacts.h"
 
 #include "contact/input/contact_weights.h"
+#include "selvage/geometry/predicates.h"
 
 #include <algorithm>
 
@@ -28,12 +29,29 @@ double largest(std::span<const double> thickness) {
   return *std::max_element(thickness.begin(), thickness.end());
 }
 
+/// Part of coordinates below which a distance says nothing of its direction: rounding.
+constexpr double kRounding = 1e-11;
+
+/// From the nearest point of the second to that of the first, of length 1; across both where these are so near that
+/// only rounding is between them.
+/// @param across  at right angles to both features, of any length
+/// @param side    1: it points from the second to the first, -1: back, 0: they meet
+template <typename Near, typename Side>
+std::optional<Vec3> normal_between(const Near& near, const Vec3& across, Side&& side) {
+  Vec3 normal = near.nearest[0] - near.nearest[1];
+  if (near.distance <= kRounding * near.nearest[0].cwiseAbs().maxCoeff()) normal = side() * across;
+  const double length = normal.norm();
+  if (!(length > 0)) return {};
+  return Vec3(normal / length);
+}
+
 /// Without its vertices.
 template <typename Near>
-Contact held_apart(ContactKind kind, const Near& near, double distance, const std::array<Index, 2>& features) {
+Contact held_apart(ContactKind kind, const Near& near, const Vec3& normal, double distance,
+                   const std::array<Index, 2>& features) {
   Contact contact;
   contact.kind = kind;
-  contact.normal = (near.nearest[0] - near.nearest[1]) / near.distance;
+  contact.normal = normal;
   contact.point = near.nearest[1];
   contact.distance = distance;
   contact.point_feature = features[0];
@@ -55,17 +73,21 @@ double NearSearch::thickness_of(std::span<const Index> vertices) const {
   return most;
 }
 
-std::optional<Contact> NearSearch::contact_of(const NearVertexFace& near) const {
+std::optional<Contact> NearSearch::contact_of(const NearVertexFace& near, std::span<const Vec3> positions) const {
   const auto& face = surface_.triangles()[near.face];
   const double distance = thickness_[near.vertex] + thickness_of(face);
   if (!(near.distance > 0) || near.distance > kReach * distance) return {};
-  Contact contact = held_apart(ContactKind::kVertexFace, near, distance, {near.vertex, near.face});
+  const Vec3 &a = positions[face[0]], &b = positions[face[1]], &c = positions[face[2]];
+  const std::optional<Vec3> normal = normal_between(
+      near, (b - a).cross(c - a), [&] { return static_cast<double>(orient3d(a, b, c, positions[near.vertex])); });
+  if (!normal) return {};
+  Contact contact = held_apart(ContactKind::kVertexFace, near, *normal, distance, {near.vertex, near.face});
   add_weight(contact, near.vertex, 1);
   for (int i = 0; i < 3; ++i) add_weight(contact, face[i], -near.barycentric[i]);
   return contact;
 }
 
-std::optional<Contact> NearSearch::contact_of(const NearEdges& near) const {
+std::optional<Contact> NearSearch::contact_of(const NearEdges& near, std::span<const Vec3> positions) const {
   const auto &a = surface_.edges()[near.first], &b = surface_.edges()[near.second];
   const double distance = thickness_of(a) + thickness_of(b);
   // At an end it is a pair of a vertex.
@@ -73,7 +95,11 @@ std::optional<Contact> NearSearch::contact_of(const NearEdges& near) const {
   if (!(near.distance > 0) || near.distance > kReach * distance || !is_inside(near.place[0]) ||
       !is_inside(near.place[1]))
     return {};
-  Contact contact = held_apart(ContactKind::kEdgeEdge, near, distance, {near.first, near.second});
+  const Vec3 &a0 = positions[a[0]], &a1 = positions[a[1]], &b0 = positions[b[0]], &b1 = positions[b[1]];
+  const std::optional<Vec3> normal =
+      normal_between(near, (a1 - a0).cross(b1 - b0), [&] { return static_cast<double>(orient3d(a0, a1, b0, b1)); });
+  if (!normal) return {};
+  Contact contact = held_apart(ContactKind::kEdgeEdge, near, *normal, distance, {near.first, near.second});
   for (int i = 0; i < 2; ++i) add_weight(contact, a[i], i == 0 ? 1 - near.place[0] : near.place[0]);
   for (int i = 0; i < 2; ++i) add_weight(contact, b[i], i == 0 ? near.place[1] - 1 : -near.place[1]);
   return contact;
@@ -83,7 +109,7 @@ void NearSearch::append_contacts(std::span<const Vec3> positions, std::vector<Co
   finder_.update(positions);
   const NearPairs pairs = finder_.find_pairs();
   const auto append = [&](const auto& near) {
-    std::optional<Contact> contact = contact_of(near);
+    std::optional<Contact> contact = contact_of(near, positions);
     if (!contact) return;
     remove_zero_weights(*contact);
     contacts.push_back(*contact);

@@ -21,8 +21,8 @@ class NearSearch {
 
  private:
   double thickness_of(std::span<const Index> vertices) const;
-  std::optional<Contact> contact_of(const NearVertexFace& near) const;
-  std::optional<Contact> contact_of(const NearEdges& near) const;
+  std::optional<Contact> contact_of(const NearVertexFace& near, std::span<const Vec3> positions) const;
+  std::optional<Contact> contact_of(const NearEdges& near, std::span<const Vec3> positions) const;
 
   const TriangleMesh& surface_;
   std::vector<double> thickness_;
