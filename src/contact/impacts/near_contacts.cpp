@@ -4,6 +4,7 @@
 #include "selvage/geometry/predicates.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace selvage {
 
@@ -29,17 +30,18 @@ double largest(std::span<const double> thickness) {
   return *std::max_element(thickness.begin(), thickness.end());
 }
 
-/// Part of coordinates below which a distance says nothing of its direction: rounding.
-constexpr double kRounding = 1e-11;
+/// Part of a distance by which that of the nearest points may differ from it. Where only rounding is between these it
+/// differs by more, and their difference says nothing of the direction.
+constexpr double kSameDistance = 0.01;
 
-/// From the nearest point of the second to that of the first, of length 1; across both where these are so near that
-/// only rounding is between them.
+/// From the nearest point of the second to that of the first, of length 1; across both where these are too near.
 /// @param across  at right angles to both features, of any length
 /// @param side    1: it points from the second to the first, -1: back, 0: they meet
 template <typename Near, typename Side>
 std::optional<Vec3> normal_between(const Near& near, const Vec3& across, Side&& side) {
-  Vec3 normal = near.nearest[0] - near.nearest[1];
-  if (near.distance <= kRounding * near.nearest[0].cwiseAbs().maxCoeff()) normal = side() * across;
+  const Vec3 between = near.nearest[0] - near.nearest[1];
+  if (std::abs(between.norm() - near.distance) <= kSameDistance * near.distance) return Vec3(between / near.distance);
+  const Vec3 normal = side() * across;
   const double length = normal.norm();
   if (!(length > 0)) return {};
   return Vec3(normal / length);
