@@ -21,13 +21,20 @@ def solid(modulus: float, density: float) -> dict[str, Any]:
     return {"youngs_modulus": modulus, "poisson_ratio": 0.4, "density": density}
 
 
-def falling(mesh: dict[str, Any], material: dict[str, Any], height: float, seed: int) -> dict[str, Any]:
-    """Two of a body side by side."""
+def falling(
+    mesh: dict[str, Any],
+    material: dict[str, Any],
+    height: float,
+    seed: int,
+    counts: tuple[int, int, int] = (2, 1, 1),
+    spacing: float = 0.8,
+) -> dict[str, Any]:
+    """Some of a body side by side, the lowest at a height."""
     return {
         "mesh": mesh,
-        "translate": [-0.4, 0, height],
+        "translate": [-spacing * (counts[0] - 1) / 2, -spacing * (counts[1] - 1) / 2, height],
         "instances": {
-            "grid": {"counts": [2, 1, 1], "spacing": [0.8, 1, 1]},
+            "grid": {"counts": list(counts), "spacing": [spacing, spacing, 0.55]},
             "jitter": {"translate": 0.05, "degrees": 40, "seed": seed},
         },
         "material": material,
@@ -70,6 +77,15 @@ def scenes() -> dict[str, dict[str, Any]]:
                 falling(ball, solid(2e5, 1500), 2.9, 4),
             ],
             "colliders": [{"box": {"min": [-0.9, -0.9, 0], "max": [0.9, 0.9, 6]}}],
+        },
+        "a large heap of 200 to 1,500 kg/m3 in a box": {
+            "bodies": [
+                falling(octopus, solid(1e5, 200), 0.6, 1, (2, 2, 2), 1.3),
+                falling({**cube, "cell": 0.05}, solid(5e5, 1000), 2.0, 2, (3, 3, 1), 0.9),
+                falling({**torus, "cell": 0.05}, solid(1e6, 200), 2.8, 3, (3, 3, 1), 0.9),
+                falling({**ball, "cell": 0.05}, solid(2e5, 1500), 3.3, 4, (3, 3, 1), 0.9),
+            ],
+            "colliders": [{"box": {"min": [-1.5, -1.5, 0], "max": [1.5, 1.5, 8]}}],
         },
         "two octopi in a box": {
             "bodies": [

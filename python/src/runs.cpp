@@ -23,6 +23,7 @@ nb::dict row_of(const FrameStatistics& row) {
   result["impacts_met"] = row.impacts_met;
   result["impacts_left"] = row.impacts_left;
   result["unguarded_vertices"] = row.unguarded_vertices;
+  result["halved_steps"] = row.halved_steps;
   result["sleeping_bodies"] = row.sleeping_bodies;
   result["constraints"] = row.constraints;
   result["newton_steps"] = row.newton_steps;

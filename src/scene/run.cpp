@@ -3,15 +3,15 @@
 #include "core/timed.h"
 #include "scene/fingerprint.h"
 #include "scene/frame_measures.h"
+#include "scene/guarded_steps.h"
 #include "scene/run_folder.h"
-#include "scene/scene_solver.h"
 #include "selvage/core/error.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
+#include <optional>
 #include <utility>
 
 namespace selvage {
@@ -101,7 +101,7 @@ StepProgress::Phase longest_phase(const StepStatistics& step) {
   return std::ranges::max_element(phases)->second;
 }
 
-/// A scene and the solver that takes it from frame to frame.
+/// A scene and what takes it from frame to frame.
 class SceneSimulation {
  public:
   SceneSimulation(const Scene& scene, const RunOptions& options)
@@ -109,15 +109,16 @@ class SceneSimulation {
 
   /// Takes the state to the end of the frame.
   FrameStatistics run_frame(State& state, std::int64_t frame) {
-    SceneSolver& solver = solver_of(frame);
+    GuardedSteps& steps = steps_of(frame);
     FrameStatistics row;
     timed(row.seconds_frame, [&] {
-      for (int step = 0; step < scene_.substeps; ++step) {
-        solver.step(state);
-        add_step(solver.statistics(), row);
-        if (options_.on_step) options_.on_step({frame, step + 1, scene_.substeps, longest_phase(solver.statistics())});
-      }
-      row.objective = solver.objective();
+      for (int step = 0; step < scene_.substeps; ++step)
+        row.halved_steps += steps.step(state, [&](const SceneSolver& solver) {
+          add_step(solver.statistics(), row);
+          row.objective = solver.objective();
+          if (options_.on_step)
+            options_.on_step({frame, step + 1, scene_.substeps, longest_phase(solver.statistics())});
+        });
       measures_.measure(state, frame, row);
     });
     return row;
@@ -127,21 +128,21 @@ class SceneSimulation {
   Index find_inverted_held_element(const State& state) const { return held_.find_inverted(state); }
 
  private:
-  SceneSolver& solver_of(std::int64_t frame) {
+  GuardedSteps& steps_of(std::int64_t frame) {
     const bool contact = frame > scene_.contact_from_frame;
-    if (!solver_ || contact != with_contact_) {
-      solver_.reset();
-      solver_ = std::make_unique<SceneSolver>(scene_, contact);
+    if (!steps_ || contact != with_contact_) {
+      steps_.reset();
+      steps_.emplace(scene_, contact);
       with_contact_ = contact;
     }
-    return *solver_;
+    return *steps_;
   }
 
   const Scene& scene_;
   const RunOptions& options_;
   FrameMeasures measures_;
   HeldElements held_;
-  std::unique_ptr<SceneSolver> solver_;
+  std::optional<GuardedSteps> steps_;
   bool with_contact_ = false;
 };
 

@@ -11,7 +11,11 @@ class SceneSolver {
  public:
   /// @param scene         must outlive this
   /// @param with_contact  false: bodies pass through one another
-  SceneSolver(const Scene& scene, bool with_contact) : solver_(make(scene, with_contact)) {}
+  SceneSolver(const Scene& scene, bool with_contact) : SceneSolver(scene, with_contact, scene.options.time_step) {}
+
+  /// The same, in other steps.
+  SceneSolver(const Scene& scene, bool with_contact, double time_step)
+      : solver_(make(scene, with_contact, time_step)) {}
 
   void step(State& state) {
     std::visit([&](auto& solver) { solver.step(state); }, solver_);
@@ -32,8 +36,9 @@ class SceneSolver {
  private:
   using Solver = std::variant<XpbdSolver, NewtonSolver, VbdSolver>;
 
-  static Solver make(const Scene& scene, bool with_contact) {
+  static Solver make(const Scene& scene, bool with_contact, double time_step) {
     StepOptions shared = scene.options;
+    shared.time_step = time_step;
     if (!with_contact) shared.contact.mode = DetectionMode::kOff;
     const auto make_with = [&]<typename Made, typename Options>(Options options) {
       static_cast<StepOptions&>(options) = shared;

@@ -21,6 +21,7 @@ struct FrameStatistics {
   std::int64_t held_back_vertices = 0;               ///< see StepStatistics, over all steps
   std::int64_t impacts_met = 0, impacts_left = 0;    ///< likewise
   std::int64_t unguarded_vertices = 0;               ///< likewise, the most of all steps
+  std::int64_t halved_steps = 0;                     ///< that could be guaranteed only in two of half their length
   std::int64_t sleeping_bodies = 0;                  ///< in the last step: StepOptions::sleep_speed
   std::int64_t constraints = 0;                      ///< of the material, over all iterations
   std::int64_t newton_steps = 0;                     ///< of the implicit solvers: see StepStatistics

@@ -38,6 +38,7 @@ constexpr std::array kColumns{
     Column{"impacts_met", &Row::impacts_met},
     Column{"impacts_left", &Row::impacts_left},
     Column{"unguarded_vertices", &Row::unguarded_vertices},
+    Column{"halved_steps", &Row::halved_steps},
     Column{"sleeping_bodies", &Row::sleeping_bodies},
     Column{"penetrating_vertices", &Row::penetrating_vertices},
     Column{"deepest_penetration", &Row::deepest_penetration},
