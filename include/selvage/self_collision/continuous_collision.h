@@ -73,7 +73,8 @@ class ContinuousCollisionFinder {
   ContinuousCollisionFinder(ContinuousCollisionFinder&&) noexcept;
   ContinuousCollisionFinder& operator=(ContinuousCollisionFinder&&) noexcept;
 
-  /// Takes a new step: refits the hierarchy in O(n), and rebuilds it when its quality has become poor.
+  /// Takes a new step: refits the hierarchy in O(n), and rebuilds it when its quality has become poor. Where nothing
+  /// moves, bit for bit, the third such step and later ones are not searched at all, and count nothing.
   void update(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1);
 
   /// Takes a new step and builds the hierarchy anew.

@@ -1,3 +1,4 @@
+#include "core/same_bits.h"
 #include "self_collision/continuous/bring_together.h"
 #include "self_collision/continuous/continuous_search.h"
 #include "self_collision/continuous/finder_input.h"
@@ -54,9 +55,11 @@ struct ContinuousCollisionFinder::Impl {
   NearFeatures near;
   std::int64_t near_uses = 0;  ///< since they were listed
   int unused_lists = 0, steps_without_list = 0;
-  MarkedVertices moved;              ///< by move_ends()
-  std::vector<Vec3> moved_on;        ///< where vertices would come to within a motion
-  std::vector<LeafVertices> leaves;  ///< where stars have been trusted once
+  std::vector<Vec3> still;               ///< where all was in the last step, if nothing moved in it
+  std::optional<ContinuousPairs> known;  ///< of that step, from the second like it on
+  MarkedVertices moved;                  ///< by move_ends()
+  std::vector<Vec3> moved_on;            ///< where vertices would come to within a motion
+  std::vector<LeafVertices> leaves;      ///< where stars have been trusted once
   std::vector<NeighbourPair> neighbours;
 
   Impl(const TriangleMesh& m, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1,
@@ -100,7 +103,24 @@ struct ContinuousCollisionFinder::Impl {
                                 pose.rounded(), trusts_stars);
   }
 
+  /// What stands still from step to step, as bodies that sleep, is searched once.
   void update(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
+    const bool is_still = options.reuse && !options.asked_once && are_same_bits(positions_t0, positions_t1);
+    if (is_still && are_same_bits(positions_t0, still)) {
+      if (!known) known = search(nullptr, nullptr);
+      return;
+    }
+    forget_still();
+    take_step(positions_t0, positions_t1);
+    if (is_still) still.assign(positions_t0.begin(), positions_t0.end());
+  }
+
+  void forget_still() {
+    still.clear();
+    known.reset();
+  }
+
+  void take_step(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
     if (update_near(positions_t0, positions_t1) || list_near(positions_t0, positions_t1)) return;
     place(positions_t0, positions_t1);
     refit();
@@ -201,12 +221,13 @@ struct ContinuousCollisionFinder::Impl {
                             ContinuousCounters* counters) {
     for (const Index v : vertices) check_index("vertex", v, mesh.vertex_count());
     check_positions<3>(positions_t1, mesh.vertex_count(), "positions_t1");
+    forget_still();
     moved.clear();
     for (const Index v : vertices) moved.mark(v);
     const bool are_moved = take_ends(positions_t1);
     if (!are_moved) {
       const std::vector<Vec3> positions_t0(pose.positions_t0().begin(), pose.positions_t0().end());
-      update(positions_t0, positions_t1);
+      take_step(positions_t0, positions_t1);
     }
     return search_moved(are_moved, counters);
   }
@@ -270,6 +291,7 @@ struct ContinuousCollisionFinder::Impl {
 
   void rebuild(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
     is_watching = false;
+    forget_still();
     near.clear();
     place(positions_t0, positions_t1);
     build();
@@ -333,6 +355,7 @@ void ContinuousCollisionFinder::rebuild(std::span<const Vec3> positions_t0, std:
 }
 
 ContinuousPairs ContinuousCollisionFinder::find_pairs(ContinuousCounters* counters) const {
+  if (impl_->known) return *impl_->known;
   return impl_->search(nullptr, counters);
 }
 
@@ -342,6 +365,7 @@ ContinuousPairs ContinuousCollisionFinder::move_ends(std::span<const Index> vert
 }
 
 bool ContinuousCollisionFinder::has_pairs(ContinuousCounters* counters) const {
+  if (impl_->known) return !impl_->known->vertex_face.empty() || !impl_->known->edge_edge.empty();
   std::atomic<bool> stop = false;
   impl_->search(&stop, counters);
   return stop;

@@ -207,6 +207,48 @@ TEST(NearFeatures, AreAllThatIsTestedWhereNothingMoves) {
   }
 }
 
+// Where nothing moves for longer, nothing is tested, until something does.
+TEST(NearFeatures, AreNotTestedWhereNothingMovesForLonger) {
+  Random random(seed(89));
+  for (int trial = 0; trial < scaled(40, 4); ++trial) {
+    const Surface surface = two_sheets(random);
+    const TriangleMesh mesh = surface.mesh();
+    Positions positions = surface.positions;
+    ContinuousCollisionFinder finder(mesh, positions, positions);
+    const auto expect_answer = [&](const Positions& end) {
+      const ContinuousPairs expected = pairs_by_hierarchy(mesh, positions, end);
+      EXPECT_EQ(finder.find_pairs(), expected);
+      EXPECT_EQ(finder.has_pairs(), !expected.vertex_face.empty() || !expected.edge_edge.empty());
+    };
+    for (int turn = 0; turn < 4; ++turn) {
+      for (int step = 0; step < 4; ++step) {
+        finder.update(positions, positions);
+        expect_answer(positions);
+        ContinuousCounters counters;
+        finder.find_pairs(&counters);
+        if (step > 0) {
+          EXPECT_EQ(counters.box_pairs + counters.node_pairs + counters.vertex_face_boxes + counters.exact_tests, 0);
+        }
+      }
+      const auto v = static_cast<Index>(random.below(static_cast<Index>(positions.size())));
+      Positions end = positions;
+      end[v] += random.vector(0.5);
+      if (turn % 2 == 0) {
+        finder.update(positions, end);
+        expect_answer(end);
+        positions = end;
+      } else {
+        finder.move_ends(std::array{v}, end);
+        expect_answer(end);
+      }
+    }
+    finder.update(positions, positions);
+    finder.update(positions, positions);
+    finder.rebuild(surface.positions, positions);
+    EXPECT_EQ(finder.find_pairs(), pairs_by_hierarchy(mesh, surface.positions, positions));
+  }
+}
+
 // No step has shown yet that stars pay.
 TEST(NearFeatures, ServeWhatRestsFromTheFirstStepAndAreKeptOnlyWhereWanted) {
   Random random(seed(88));
