@@ -78,7 +78,7 @@ def scenes() -> dict[str, dict[str, Any]]:
             ],
             "colliders": [{"box": {"min": [-0.9, -0.9, 0], "max": [0.9, 0.9, 6]}}],
         },
-        "a large heap of 200 to 1,500 kg/m3 in a box": {
+        "a large pile of 200 to 1,500 kg/m3 in a box": {
             "bodies": [
                 falling(octopus, solid(1e5, 200), 0.6, 1, (2, 2, 2), 1.3),
                 falling({**cube, "cell": 0.05}, solid(5e5, 1000), 2.0, 2, (3, 3, 1), 0.9),
