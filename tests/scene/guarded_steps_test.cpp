@@ -1,5 +1,5 @@
-// A sheet in a funnel, in steps three times as long as those of the scene: in one of 336 it is led too far to have room.
-// Compilers whose last digits differ may have no such step.
+// A sheet in a funnel, in steps three times as long as those of the scene: in one of 336 it is led too far to have
+// room. Compilers whose last digits differ may have no such step.
 #include "scene/guarded_steps.h"
 #include "selvage/scene/run.h"
 #include "selvage/self_collision/continuous_collision.h"
