@@ -120,10 +120,12 @@ def cpu_seconds() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_utime
 
 
-def row(scene: dict[str, Any], solver: str, frames: int) -> str:
+def row(scene: dict[str, Any], solver: str, frames: int, substeps: int | None) -> str:
     """Runs a scene on one thread. Nothing may sleep: that would hide what trembles."""
     with tempfile.TemporaryDirectory() as folder, selvage.threads(1):
         made = {"selvage_scene": 1, "solver": solver, "sleep_speed": 0, **scene}
+        if substeps:
+            made["substeps"] = substeps
         begin = cpu_seconds()
         run = selvage.simulate(made, folder, frames=frames)
         cost = (cpu_seconds() - begin) / frames
@@ -143,6 +145,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--frames", type=int, default=180, help="of 1/60 s; the last sixth counts as at rest")
     parser.add_argument("--scene", default="", help="only those whose name has this in it")
+    parser.add_argument("--solver", choices=SOLVERS, action="append", help="only this one; may be given several times")
+    parser.add_argument("--substeps", type=int, help="steps a frame in place of the default, as to compare at equal time")
     arguments = parser.parse_args()
     frames = arguments.frames
     print(f"Python {platform.python_version()}, {platform.processor() or platform.machine()}, {os.cpu_count()} cores")
@@ -156,8 +160,8 @@ def main() -> None:
             "| kinetic energy of it [J] | elastic and potential [J] | residual [m] |"
         )
         print("| --- | --- | --- | --- | --- | --- | --- | --- |")
-        for solver in SOLVERS:
-            print(row(scene, solver, frames), flush=True)
+        for solver in arguments.solver or SOLVERS:
+            print(row(scene, solver, frames, arguments.substeps), flush=True)
 
 
 if __name__ == "__main__":
