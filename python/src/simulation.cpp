@@ -229,8 +229,8 @@ forces : (n, 3) array, optional
 Raises
 ------
 selvage.Error
-    When a size differs, and naming the first vertex whose position stops being finite; the state is then that before
-    the step.
+    When a size differs, and naming the first vertex whose position stops being finite, or that the solver throws a
+    thousand times as far as all bodies are large; the state is then that before the step.
 )")
       .def(
           "step_frame",

@@ -46,11 +46,9 @@ class FirstScene {
     for (Index v = b.first_vertex; v < b.first_vertex + b.vertex_count; ++v) sum += state_.positions[v];
     return sum / b.vertex_count;
   }
-  /// Mean speed of all vertices [m/s].
-  double mean_speed() const {
-    double sum = 0;
-    for (const Vec3& v : state_.velocities) sum += v.norm();
-    return sum / static_cast<double>(state_.velocities.size());
+  /// Of all vertices [m/s].
+  double fastest_speed() const {
+    return std::ranges::max(state_.velocities, {}, [](const Vec3& v) { return v.norm(); }).norm();
   }
   /// Angle by which a body that was at rest at the start has turned about z through a point [rad], in (-pi, pi].
   double turn_of(const std::string& name, const Vec3& centre) const {
@@ -105,7 +103,7 @@ TEST(FirstScenes, ACubeSlidesDownASlopeAndRestsOnTheFloor) {
   scene.run();
   EXPECT_GT(scene.middle_of("cube")[0], 0);
   EXPECT_NEAR(scene.middle_of("cube")[2], 0.2, 0.05);
-  EXPECT_LT(scene.mean_speed(), 0.1);
+  EXPECT_LT(scene.fastest_speed(), 0.1);
 }
 
 TEST(FirstScenes, AStackStands) {
@@ -114,7 +112,7 @@ TEST(FirstScenes, AStackStands) {
   scene.run();
   for (int i = 0; i < 5; ++i) EXPECT_NEAR(scene.middle_of("box[" + std::to_string(i) + "]")[2], 0.16 + 0.3 * i, 0.08);
   EXPECT_LT((scene.middle_of("box[4]") - start).head<2>().norm(), 0.03);
-  EXPECT_LT(scene.mean_speed(), 0.1);
+  EXPECT_LT(scene.fastest_speed(), 0.1);
 }
 
 TEST(FirstScenes, AKnotIsPulledTight) {
@@ -141,6 +139,7 @@ TEST(FirstScenes, ANetCatchesABall) {
   FirstScene scene("net", {{"/bodies/0/mesh/cell", "0.06"}, {"/bodies/1/mesh/cell", "0.06"}});
   scene.run();
   EXPECT_GT(scene.middle_of("ball")[2], 0.3);
+  EXPECT_LT(scene.fastest_speed(), 0.1);
 }
 
 TEST(FirstScenes, TwoFingersLiftABall) {
@@ -155,7 +154,7 @@ TEST(FirstScenes, TwoFingersLiftABall) {
 TEST(FirstScenes, AHeapComesToRest) {
   FirstScene scene("heap", {{"/bodies/0/mesh/cell", "0.2"}, {"/bodies/1/mesh/elements", "300"}});
   scene.run();
-  EXPECT_LT(scene.mean_speed(), 0.1);
+  EXPECT_LT(scene.fastest_speed(), 0.1);
 }
 
 TEST(FirstScenes, ASqueezedToyReturnsToItsShape) {

@@ -1,5 +1,6 @@
 #include "io/whole_file.h"
 #include "scene/description/scene_description.h"
+#include "scene/frame_measures.h"
 #include "selvage/boundary_path/boundary_path.h"
 #include "selvage/scene/scene.h"
 #include "test_scale.h"
@@ -51,6 +52,10 @@ TEST_P(SceneFiles, BeginInOrder) {
   EXPECT_EQ(finder.defects().inverted_elements, 0);
   const bool tangled = GetParam() == "tangled_noodle";
   EXPECT_EQ(!finder.find_penetrating_vertices().empty(), tangled);
+  // Sheets and edges cross without a vertex inside.
+  FrameStatistics row;
+  FrameMeasures(scene).measure(scene.initial_state, 0, row);
+  EXPECT_EQ(row.triangle_pairs > 0, tangled);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, SceneFiles, testing::ValuesIn(scene_names()),

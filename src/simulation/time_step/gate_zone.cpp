@@ -3,6 +3,7 @@
 #include "simulation/rigid_motion.h"
 
 #include <algorithm>
+#include <map>
 
 namespace selvage {
 
@@ -10,6 +11,9 @@ namespace {
 
 /// Sweeps over the touches of a zone that is bent.
 constexpr int kSweeps = 30;
+/// Touches of a carrier that lead the vertices around them: of more, evenly chosen ones do, or the cost of a body that
+/// is pressed from all sides would grow with the square of its vertices.
+constexpr int kMaxLeaders = 32;
 
 RigidMotion motion_of(const RigidTransform& carrier) {
   return {
@@ -57,34 +61,50 @@ bool GateZone::is_torn(const Step& step, const Carriers& carriers) const {
   });
 }
 
+std::vector<GateZone::Leader> GateZone::leaders() const {
+  std::map<Index, Index> counts;
+  for (const ZoneTouch& touch : touches_) ++counts[touch.carrier];
+  std::map<Index, Index> seen;
+  std::vector<Leader> result;
+  for (const ZoneTouch& touch : touches_) {
+    const Index each = (counts[touch.carrier] + kMaxLeaders - 1) / kMaxLeaders;
+    if (seen[touch.carrier]++ % each == 0) result.push_back({touch.point, touch.way, static_cast<double>(each)});
+  }
+  return result;
+}
+
 /// Vertices go with the touches around them, the nearest most; then the touches are closed in turn.
 std::vector<Vec3> GateZone::bent_ways(const Model& model, const Step& step, const Carriers& carriers) const {
+  const std::vector<Leader> leading = leaders();
   std::vector<Vec3> ways;
   for (const Index v : vertices) {
     const double least = kContactGap * carriers.max_corrections[v];
     Vec3 sum = Vec3::Zero();
     double weights = 0;
-    for (const ZoneTouch& touch : touches_) {
-      const double weight = 1 / std::max((step.positions[v] - touch.point).squaredNorm(), least * least);
-      sum += weight * touch.way;
+    for (const Leader& leader : leading) {
+      const double weight = leader.weight / std::max((step.positions[v] - leader.point).squaredNorm(), least * least);
+      sum += weight * leader.way;
       weights += weight;
     }
     ways.push_back(sum / weights);
   }
-  const auto way_of = [&](Index v) -> Vec3& {
-    return ways[std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin()];
-  };
+  std::vector<std::array<std::size_t, 3>> places;  // in `vertices`, of those that each touch names
+  for (const ZoneTouch& touch : touches_) {
+    std::array<std::size_t, 3>& place = places.emplace_back();
+    for (int k = 0; k < touch.count; ++k)
+      place[k] = std::lower_bound(vertices.begin(), vertices.end(), touch.vertices[k]) - vertices.begin();
+  }
   for (int sweep = 0; sweep < kSweeps; ++sweep)
-    for (const ZoneTouch& touch : touches_) {
+    for (std::size_t i = 0; i < touches_.size(); ++i) {
+      const ZoneTouch& touch = touches_[i];
       Vec3 error = touch.way;
       double squares = 0;
       for (int k = 0; k < touch.count; ++k) {
-        error -= touch.weights[k] * way_of(touch.vertices[k]);
+        error -= touch.weights[k] * ways[places[i][k]];
         if (model.inverse_masses[touch.vertices[k]] > 0) squares += touch.weights[k] * touch.weights[k];
       }
       for (int k = 0; k < touch.count; ++k)
-        if (model.inverse_masses[touch.vertices[k]] > 0)
-          way_of(touch.vertices[k]) += touch.weights[k] / squares * error;
+        if (model.inverse_masses[touch.vertices[k]] > 0) ways[places[i][k]] += touch.weights[k] / squares * error;
     }
   return ways;
 }

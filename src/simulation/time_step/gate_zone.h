@@ -62,7 +62,13 @@ class GateZone {
                               std::span<const Vec3> targets, bool stands, bool may_bend) const;
 
  private:
+  struct Leader {
+    Vec3 point, way;
+    double weight;
+  };
+
   bool is_torn(const Step& step, const Carriers& carriers) const;
+  std::vector<Leader> leaders() const;
   std::vector<Vec3> bent_ways(const Model& model, const Step& step, const Carriers& carriers) const;
 
   Index carrier_ = kNone;  ///< the least

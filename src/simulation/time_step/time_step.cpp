@@ -15,6 +15,16 @@ namespace {
 
 /// Part of a step by which rounding may shift a time.
 constexpr double kTimeSlack = 1e-6;
+/// Times the size of all bodies by which a solver may move a vertex in a step besides what inertia does. More is no
+/// answer but a solver that diverges, as where colliders leave a body no volume, and contacts on such ways would take
+/// minutes to find.
+constexpr double kMaxThrow = 1000;
+
+double size_of(std::span<const Vec3> positions) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : positions) box.extend(p);
+  return box.isEmpty() ? 0 : box.diagonal().norm();
+}
 
 std::vector<Index> bodies_of_vertices(const Model& model) {
   std::vector<Index> body_of(model.mesh.vertex_count(), kNone);
@@ -49,6 +59,7 @@ TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle>
       options_(options),
       handles_(std::move(handles)),
       element_size_(element_size_of(model)),
+      max_throw_(kMaxThrow * size_of(model.rest_positions)),
       body_of_(bodies_of_vertices(model)),
       half_thickness_(half_thickness_of(model)) {
   check_options(options);
@@ -190,8 +201,11 @@ void TimeStep::predict(const State& state, std::span<const Vec3> external_forces
     damping_->apply(1 / (1 + step * options_.deformation_damping), state.positions, damped_velocities_);
     velocities = damped_velocities_;
   }
-  parallel_for(vertex_count(), kGrain, [&](std::int64_t i) {
-    const auto v = static_cast<Index>(i);
+  struct Longest {
+    double way = 0;
+    void add(const Longest& other) { way = std::max(way, other.way); }
+  };
+  const auto predict_vertex = [&](Index v) {
     const bool is_asleep = sleep_ && body_of_[v] != kNone && sleep_->is_asleep(body_of_[v]);
     const double inverse_mass = is_asleep ? 0 : model_.inverse_masses[v];
     Vec3 velocity = Vec3::Zero();
@@ -201,7 +215,12 @@ void TimeStep::predict(const State& state, std::span<const Vec3> external_forces
       velocity = kept * (velocities[v] + step * acceleration);
     }
     place(v, state.positions[v] + step * velocity, inverse_mass);
-  });
+    return step * velocity.norm();
+  };
+  longest_inertial_way_ =
+      parallel_reduce<Longest>(vertex_count(), kGrain, [&](std::int64_t begin, std::int64_t end, Longest& longest) {
+        for (std::int64_t v = begin; v < end; ++v) longest.add({predict_vertex(static_cast<Index>(v))});
+      }).way;
 }
 
 void TimeStep::place_handles() {
@@ -214,7 +233,7 @@ void TimeStep::place_handles() {
 }
 
 void TimeStep::find_contacts() {
-  check_finite();
+  check_positions();
   for (const Contact& contact : contacts_)
     for (int i = 0; i < contact.count; ++i) ejected_[contact.vertices[i]].setZero();
   if (!contact_finder_) return;
@@ -226,7 +245,7 @@ void TimeStep::find_contacts() {
 
 bool TimeStep::find_missed_contacts() {
   if (!gate_) return false;
-  check_finite();
+  check_positions();
   parallel_for(std::ssize(candidate_), kGrain,
                [&](std::int64_t v) { candidate_[v] = position(static_cast<Index>(v)); });
   const StepImpacts impacts = contact_finder_->find_impacts(candidate_);
@@ -308,7 +327,12 @@ void TimeStep::project_colliders() {
   statistics_.collider_contacts = collider_contacts_.count;
 }
 
-void TimeStep::check_finite() const {
+bool TimeStep::is_thrown(Index v) const {
+  return vertices_[v].inverse_mass > 0 &&
+         (position(v) - step_.positions[v]).norm() > max_throw_ + longest_inertial_way_;
+}
+
+void TimeStep::check_positions() const {
   struct First {
     Index vertex = std::numeric_limits<Index>::max();
     void add(const First& other) { vertex = std::min(vertex, other.vertex); }
@@ -316,12 +340,16 @@ void TimeStep::check_finite() const {
   const First first =
       parallel_reduce<First>(vertex_count(), kGrain, [&](std::int64_t begin, std::int64_t end, First& result) {
         for (std::int64_t v = begin; v < end; ++v)
-          if (!is_in_range(position(static_cast<Index>(v)))) result.add({static_cast<Index>(v)});
+          if (!is_in_range(position(static_cast<Index>(v))) || is_thrown(static_cast<Index>(v)))
+            result.add({static_cast<Index>(v)});
       });
   if (first.vertex == std::numeric_limits<Index>::max()) return;
+  const double way = (position(first.vertex) - step_.positions[first.vertex]).norm();
   throw Error(fmt::format("vertex {}", first.vertex),
-              fmt::format("its position stops being finite in step {}", state_steps_ + 1),
-              "take a smaller time step, softer materials or slower handles");
+              is_in_range(position(first.vertex))
+                  ? fmt::format("the solver throws it by {:.2g} m in step {}", way, state_steps_ + 1)
+                  : fmt::format("its position stops being finite in step {}", state_steps_ + 1),
+              "take a smaller time step, softer materials or slower handles, and leave bodies room");
 }
 
 /// By how far colliders have moved a vertex only because it started the step inside them. It gives no speed: a body
@@ -337,7 +365,7 @@ Vec3 TimeStep::depenetration_of(Index v, const Vec3& moved) const {
 }
 
 void TimeStep::finish(State& state) {
-  check_finite();
+  check_positions();
   hold_back();
   parallel_for(vertex_count(), kGrain, [&](std::int64_t i) {
     const auto v = static_cast<Index>(i);

@@ -42,7 +42,8 @@ class TimeStep {
   /// @param external_forces  (n_vertices) [N] besides gravity, or empty
   void begin(const State& state, std::span<const Vec3> external_forces);
 
-  /// @throws Error  naming the first vertex that is not finite; so does finish()
+  /// @throws Error  naming the first vertex that is not finite, or that the solver throws a thousand times as far as
+  ///                all bodies are large; so does finish()
   void find_contacts();
 
   /// Adds to contacts() what still meets on the way to the vertices' present positions. False: nothing does, or
@@ -96,7 +97,8 @@ class TimeStep {
   bool is_held(const Handle& handle) const;
   bool is_released(const Handle& handle) const;
   Vec3 depenetration_of(Index v, const Vec3& moved) const;
-  void check_finite() const;
+  bool is_thrown(Index v) const;
+  void check_positions() const;
   Carriers carriers() const;
   void hold_back();
   std::string name_of(Index vertex) const;
@@ -107,6 +109,7 @@ class TimeStep {
   std::vector<Handle> handles_;
   std::vector<std::vector<Vec3>> handle_positions_;  ///< of the vertices of each at time 0
   double element_size_;                              ///< see element_size_of() [m]
+  double max_throw_;                                 ///< see is_thrown() [m]
   std::vector<Index> body_of_;                       ///< (n_vertices)
   std::vector<double> half_thickness_;               ///< (n_vertices) of cloth [m]; empty where none is thick
   std::vector<PreparedCollider> colliders_;
@@ -120,6 +123,7 @@ class TimeStep {
 
   Step step_{};
   std::int64_t steps_begun_ = 0;
+  double longest_inertial_way_ = 0;                       ///< of any vertex in the step [m]
   std::int64_t state_steps_ = 0;                          ///< State::steps at the start of the step
   std::vector<StepVertex> vertices_;                      ///< (n_contact_vertices)
   std::vector<Vec3> start_positions_, start_velocities_;  ///< (n_contact_vertices) where there are colliders

@@ -152,5 +152,30 @@ TEST(TimeStep, KeepsTheStateWhereAVertexIsNotFinite) {
   EXPECT_EQ(state.steps, 0);
 }
 
+/// A thousand times as far as all bodies are large, as solvers that diverge do; inertia may take vertices anywhere.
+TEST(TimeStep, RefusesWhatTheSolverThrowsAndNotWhatFliesFast) {
+  const Model model = make(kBox, neo_hookean(1e5));
+  const double size = Vec3(0.2, 0.2, 0.2).norm();
+  const auto end_of = [&](double speed, double thrown) {
+    State state = make_state(model, model.rest_positions);
+    for (Vec3& v : state.velocities) v = Vec3(speed, 0, 0);
+    TimeStep time_step(model, state, {}, {}, without_contact());
+    time_step.begin(state, {});
+    time_step.vertices()[7].position[1] += thrown;
+    time_step.finish(state);
+    return state.positions[7];
+  };
+  EXPECT_EQ(end_of(0, 999 * size)[1], model.rest_positions[7][1] + 999 * size);
+  EXPECT_GT(end_of(1e9, 0)[0], 1e6);
+  try {
+    end_of(0, 1001 * size);
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("vertex 7: the solver throws it by 3.5e+02 m in step 1"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
 }  // namespace
 }  // namespace selvage
