@@ -45,13 +45,17 @@ std::vector<CommonWaysOut::Member> CommonWaysOut::members_of(std::span<const Pen
   };
   std::vector<Member> members;
   std::vector<Place> places;
+  std::vector<Index> in_own_piece;
   for (Index i = 0; i < std::ssize(points); ++i) {
     const PenetratingPoint& point = points[i];
     if (point.vertices[0] >= mesh_.vertex_count()) continue;  // of a collider
     const auto elements = mesh_.vertex_elements(point.vertices[0]);
     if (elements.empty()) continue;  // of cloth
     const Index own = pieces_[elements.front()], other = pieces_[point.query.element];
-    if (own == other) continue;
+    if (own == other) {
+      in_own_piece.push_back(i);
+      continue;
+    }
     const std::array<Index, 2> pieces{std::min(own, other), std::max(own, other)};
     const auto member = static_cast<Index>(members.size());
     members.push_back({kNone, i, own < other ? 1.0 : -1.0});
@@ -64,9 +68,50 @@ std::vector<CommonWaysOut::Member> CommonWaysOut::members_of(std::span<const Pen
     if (places[k].pieces == places[k - 1].pieces && places[k].vertex == places[k - 1].vertex)
       tangles.join(places[k - 1].member, places[k].member);
   for (Index m = 0; m < std::ssize(members); ++m) members[m].tangle = tangles.lowest(m);
+  append_members_in_own_piece(points, in_own_piece, members);
   std::stable_sort(members.begin(), members.end(),
                    [](const Member& a, const Member& b) { return a.tangle < b.tangle; });
   return members;
+}
+
+/// A part that runs through another part of its own piece: the vertices of a point are on one side, those of the
+/// element that it is in on the other. Where that contradicts itself, as in a fold, there are no two sides, and no
+/// members.
+void CommonWaysOut::append_members_in_own_piece(std::span<const PenetratingPoint> points,
+                                                std::span<const Index> in_own_piece,
+                                                std::vector<Member>& members) const {
+  std::vector<Index> vertices;
+  for (const Index i : in_own_piece) {
+    vertices.insert(vertices.end(), points[i].vertices.begin(), points[i].vertices.begin() + points[i].count);
+    const auto& element = mesh_.elements()[points[i].query.element];
+    vertices.insert(vertices.end(), element.begin(), element.end());
+  }
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  const auto number = [&](Index vertex) {
+    return static_cast<Index>(std::lower_bound(vertices.begin(), vertices.end(), vertex) - vertices.begin());
+  };
+  // Each vertex is there twice: as it is, and `opposite` further as what is on the other side.
+  const auto opposite = static_cast<Index>(vertices.size());
+  UnionFind sides(2 * vertices.size());
+  const auto join = [&](Index a, Index b, bool same) {
+    sides.join(a, same ? b : b + opposite);
+    sides.join(a + opposite, same ? b + opposite : b);
+  };
+  for (const Index i : in_own_piece) {
+    const Index own = number(points[i].vertices[0]);
+    for (int k = 1; k < points[i].count; ++k) join(own, number(points[i].vertices[k]), true);
+    for (const Index v : mesh_.elements()[points[i].query.element]) join(own, number(v), false);
+  }
+  std::vector<Index> tangles(2 * vertices.size(), kNone);  // the first member of each set
+  for (const Index i : in_own_piece) {
+    const Index own = number(points[i].vertices[0]);
+    const Index here = sides.lowest(own), there = sides.lowest(own + opposite);
+    if (here == there) continue;
+    Index& tangle = tangles[std::min(here, there)];
+    if (tangle == kNone) tangle = static_cast<Index>(members.size());
+    members.push_back({tangle, i, here < there ? 1.0 : -1.0});
+  }
 }
 
 /// From element to element, by the face that the ray leaves first.

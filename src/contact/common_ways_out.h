@@ -4,7 +4,7 @@
 
 namespace selvage {
 
-/// One way out for all points of a tangle of two pieces, where their own disagree.
+/// One way out for all points of a tangle of two pieces, or of two parts of one, where their own disagree.
 ///
 /// A rod that runs right through another has points whose shortest paths lead up, and others whose lead down: they pull
 /// against one another, and hold the rods in each other for ever. All these points then leave in one direction, each
@@ -12,8 +12,9 @@ namespace selvage {
 /// what follows it, has the shortest way.
 ///
 /// Points are in a tangle where a point shares a vertex, or a vertex of the element that it is in, with another. Those
-/// of one piece leave in a direction, those of the other against it. Points of colliders and cloth, and those in their
-/// own piece, keep their shortest paths, as those do whose straight way ends nowhere.
+/// of one piece leave in a direction, those of the other against it. In one piece, the vertices of a point are of one
+/// part and those of the element that it is in of the other; where that contradicts itself, as in a fold, points keep
+/// their shortest paths. So do those of colliders and cloth, and those whose straight way ends nowhere.
 class CommonWaysOut {
  public:
   explicit CommonWaysOut(const TetMesh& mesh);
@@ -33,6 +34,8 @@ class CommonWaysOut {
   };
 
   std::vector<Member> members_of(std::span<const PenetratingPoint> points) const;
+  void append_members_in_own_piece(std::span<const PenetratingPoint> points, std::span<const Index> in_own_piece,
+                                   std::vector<Member>& members) const;
   BoundaryPath<3> straight_way(std::span<const Vec3> positions, const Vec3& point, Index element,
                                const Vec3& direction) const;
   double length_behind(std::span<const Vec3> positions, const PenetratingPoint& point, const Vec3& direction) const;

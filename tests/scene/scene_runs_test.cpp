@@ -288,6 +288,18 @@ TEST(SceneRuns, ATangledNoodleIsFreeWithinTenSteps) {
   EXPECT_FALSE(SelfCollisionFinder(surface, play.state().positions).has_pairs());
 }
 
+/// Shortest paths alone keep it in itself for ever: what lies above the middle of the other part leaves upwards.
+TEST(SceneRuns, ANoodleThatRunsRightThroughItselfIsFreeWithinThreeFrames) {
+  Play play(load("tangled_noodle", {{"/bodies/0/mesh/length", "2.9"},
+                                    {"/bodies/0/poses/1/crossings", "1"},
+                                    {"/bodies/0/poses/0/matrix", "[[1, 0, 0], [0, 1, 0], [0.02, 0, 1]]"}}));
+  EXPECT_GT(tangle_of(play).vertices, 40);
+  play.run_frames(3);
+  const TriangleMesh surface = boundary_surface(play.scene().model.mesh);
+  EXPECT_FALSE(SelfCollisionFinder(surface, play.state().positions).has_pairs());
+  EXPECT_EQ(tangle_of(play).inverted, 0);
+}
+
 /// Pressed together while it passes through itself (SPB figure 16); then contacts have eight frames. After 30 steps two
 /// thirds of the vertices are free: a regression mark.
 TEST(SceneRuns, ATangledBallIsFreeWithinEightFrames) {
