@@ -1,4 +1,5 @@
 // Scenes with cloth: what is read, what is refused, and what a run stores.
+#include "scene/frame_measures.h"
 #include "scene/scene_solver.h"
 #include "selvage/core/error.h"
 #include "selvage/scene/frames.h"
@@ -166,6 +167,32 @@ INSTANTIATE_TEST_SUITE_P(ByVbd, ShippedClothScene,
                                            ShippedRun{"cloth_on_octopus", SolverKind::kVbd, 40},
                                            ShippedRun{"cloth_funnel", SolverKind::kVbd, 60}),
                          name_of);
+
+/// 27 kg on vertices of a gramme: what the block's friction does to the sheet must not be as much more as it is
+/// lighter.
+TEST(ClothScene, ABlockFallsOnASheetOnTheFloorAndThrowsNothing) {
+  const Scene scene = parse_scene(R"({"selvage_scene": 1, "bodies": [
+      {"mesh": {"shape": "cloth", "size": [1, 1, 0], "cell": 0.1}, "translate": [-0.5, -0.5, 0.05],
+       "material": {"kind": "cloth", "thickness": 0.004}},
+      {"mesh": {"shape": "box", "size": [0.3, 0.3, 0.3], "cell": 0.1}, "translate": [-0.15, -0.15, 0.35],
+       "material": {"youngs_modulus": 1e5, "poisson_ratio": 0.4, "density": 1000}}],
+    "colliders": [{"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}]})",
+                                  "sheet.json");
+  State state = scene.initial_state;
+  XpbdSolver solver(scene.model, state, scene.handles, scene.colliders, scene.options);
+  double fastest = 0;
+  for (int step = 0; step < 60 * scene.substeps; ++step) {
+    solver.step(state);
+    for (const Vec3& v : state.velocities) fastest = std::max(fastest, v.norm());
+  }
+  EXPECT_GT(fastest, 1);
+  EXPECT_LT(fastest, 4);
+  EXPECT_LT(state.positions.back()[2], 0.4);
+  FrameStatistics row;
+  FrameMeasures(scene).measure(state, 60, row);
+  EXPECT_EQ(row.triangle_pairs, 0);
+  EXPECT_EQ(row.vertices_in_colliders, 0);
+}
 
 TEST(ClothScene, CountsWhatCrossesAtTheStart) {
   const Scene scene = parse_scene(R"({"selvage_scene": 1, "frames": 1, "bodies": [

@@ -114,6 +114,28 @@ TEST(Projection, LetsAVertexSlideAlongACollider) {
   }
 }
 
+/// A heavy point slides over a light face that a collider holds: along the normal only the point can move, across it
+/// the face goes with the point.
+TEST(Projection, TakesALightFaceOnAColliderAlongByFriction) {
+  Scratch scratch({10, 1e-3, 1e-3, 1e-3}, {0.2, 0.3, 0.5}, 0.1);
+  scratch.collider_states.resize(4);
+  for (int i = 1; i < 4; ++i) {
+    scratch.collider_states[i].normal = Vec3::UnitZ();
+    scratch.collider_states[i].step = 0;
+  }
+  scratch.rows[0].position[0] += 0.05;
+  scratch.project({1, 1});
+  EXPECT_NEAR(scratch.moved(0)[0], 0.05, 1e-4);
+  EXPECT_NEAR(scratch.moved(0)[2], 0.1, 1e-15);
+  Vec3 face = Vec3::Zero();
+  for (int i = 1; i < 4; ++i) {
+    EXPECT_LE(scratch.moved(i).norm(), 1.3701 * 0.05);
+    face -= scratch.contact.weights[i] * scratch.moved(i);
+  }
+  EXPECT_NEAR(face[0], scratch.moved(0)[0], 1e-12);
+  EXPECT_NEAR(face[2], 0, 1e-15);
+}
+
 TEST(Projection, LeavesPinnedVerticesWhereTheyAre) {
   Scratch held({1, 0, 0, 0}, {0.2, 0.3, 0.5}, 0.1);
   held.project();

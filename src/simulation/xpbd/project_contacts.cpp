@@ -34,16 +34,7 @@ class ContactSides {
       masses[side(i)] += std::abs(contact.weights[i]) / inverse_mass;
     }
     for (int s = 0; s < 2; ++s) mobilities_[s] = masses[s] > 0 ? weights[s] / masses[s] : 0;
-    double max_move = 0;
-    for (int i = 0; i < contact.count; ++i) {
-      const double weight = std::abs(contact.weights[i]), moved = mobility(i) * weight;
-      const Vec3 direction = contact.weights[i] > 0 ? contact.normal : Vec3(-contact.normal);
-      const Vec3 free = supports.free_part(contact.vertices[i], direction);
-      const bool is_free = free == direction;
-      mobility_ += moved * weight * (is_free ? 1 : direction.dot(free));
-      max_move = std::max(max_move, moved * (is_free ? 1 : free.norm()));
-    }
-    mobility_ = std::max(mobility_, max_move / kMaxMove);
+    mobility_ = mobility_along(contact.normal);
   }
 
   bool can_move() const { return mobility_ > 0; }
@@ -57,14 +48,38 @@ class ContactSides {
     }
   }
 
-  void move_apart(const Vec3& correction) {
-    for (int i = 0; i < contact_.count; ++i) {
-      const Vec3 move = mobility(i) * contact_.weights[i] / mobility_ * correction;
-      position(vertices_[contact_.vertices[i]]) += supports_.take_load(contact_.vertices[i], move);
-    }
+  void move_apart(const Vec3& correction) { move(correction, mobility_); }
+
+  /// Along the normal, and by friction across it. What colliders keep from moving along the normal may well slide: a
+  /// sheet on the floor under a heavy body by itself, where along the normal only the body moves.
+  void move_apart(const Vec3& out, const Vec3& slide) {
+    if (!is_supported_) return move_apart(out + slide);
+    move_apart(out);
+    const double length = slide.norm();
+    if (const double mobility = length > 0 ? mobility_along(slide / length) : 0; mobility > 0) move(slide, mobility);
   }
 
  private:
+  /// By how much the offset changes along a direction by a push of 1 along it.
+  double mobility_along(const Vec3& direction) {
+    double sum = 0, max_move = 0;
+    for (int i = 0; i < contact_.count; ++i) {
+      const double weight = std::abs(contact_.weights[i]), moved = mobility(i) * weight;
+      const Vec3 push = contact_.weights[i] > 0 ? direction : Vec3(-direction);
+      const Vec3 free = supports_.free_part(contact_.vertices[i], push);
+      const bool is_free = free == push;
+      is_supported_ |= !is_free;
+      sum += moved * weight * (is_free ? 1 : push.dot(free));
+      max_move = std::max(max_move, moved * (is_free ? 1 : free.norm()));
+    }
+    return std::max(sum, max_move / kMaxMove);
+  }
+  void move(const Vec3& correction, double mobility_of_all) {
+    for (int i = 0; i < contact_.count; ++i) {
+      const Vec3 moved = mobility(i) * contact_.weights[i] / mobility_of_all * correction;
+      position(vertices_[contact_.vertices[i]]) += supports_.take_load(contact_.vertices[i], moved);
+    }
+  }
   int side(int i) const { return contact_.weights[i] > 0 ? 0 : 1; }
   double mobility(int i) const { return vertices_[contact_.vertices[i]].inverse_mass > 0 ? mobilities_[side(i)] : 0; }
 
@@ -72,7 +87,8 @@ class ContactSides {
   const ColliderSupports& supports_;
   std::span<StepVertex> vertices_;
   std::array<double, 2> mobilities_{};  ///< of the point, of the surface
-  double mobility_ = 0;
+  double mobility_ = 0;                 ///< along the normal
+  bool is_supported_ = false;           ///< some vertex, by a collider
 };
 
 /// By DCD: what was on the wrong side is sent out.
@@ -121,7 +137,7 @@ void project_contact(const Contact& contact, const Step& step, std::span<const d
   const Vec3 displacement = offset + out - offset_between(contact, step.positions);
   const Vec3 drift = step.length() * offset_between(contact, step.velocities);
   sides.move_apart(
-      out + friction_correction(displacement, drift, contact.normal, depth, friction.coefficients, friction.state));
+      out, friction_correction(displacement, drift, contact.normal, depth, friction.coefficients, friction.state));
   if (is_path(contact.kind)) sides.visit_moves(out, [&](Index v, const Vec3& move) { ejected[v] += move; });
 }
 
