@@ -48,19 +48,18 @@ TEST(Run, FramesHoldNothingInfinite) {
   for (const Vec3& p : read_frame(frame_path(folder.path(), 3)).positions) EXPECT_TRUE(p.allFinite());
 }
 
-/// Two planes leave it no volume: one frame of contacts on ways of 1e25 m took seconds.
-TEST(Run, EndsWhereASolverThrowsVertices) {
+/// Two planes leave it no volume. Vertices that stood on one were thrown by the friction of contacts with others.
+TEST(Run, ThrowsNothingOfABodyThatIsPressedFlat) {
   const TemporaryFolder folder;
   const RunReport report = run_scene(scene_of(R"({"selvage_scene": 1, "frames": 30,
     "bodies": [{"mesh": {"shape": "box", "size": [0.5, 0.5, 0.5], "cell": 0.12}, "translate": [-0.25, -0.25, 0.1],
       "material": {"youngs_modulus": 1e5, "poisson_ratio": 0.4, "density": 1000}}],
     "colliders": [{"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}},
       {"plane": {"point": [0, 0, 1], "normal": [0, 0, -1]},
-       "motion": {"keyframes": [{"time": 0}, {"time": 0.4, "translate": [0, 0, -1]}]}}]})"),
+       "motion": {"keyframes": [{"time": 0}, {"time": 0.4, "translate": [0, 0, -0.99]}]}}]})"),
                                      to(folder.path()));
-  EXPECT_EQ(report.outcome, RunOutcome::kExploded);
-  EXPECT_NE(report.message.find("the solver throws it by "), std::string::npos) << report.message;
-  EXPECT_GT(report.frames.back().frame, 20);
+  EXPECT_EQ(report.outcome, RunOutcome::kFinished) << report.message;
+  for (const FrameStatistics& row : report.frames) EXPECT_LT(row.fastest, 10) << row.frame;
 }
 
 TEST(Run, NamesTheBodyWithoutVolume) {

@@ -111,6 +111,7 @@ struct ColliderDescription {
 /// The contents of a scene file, checked: kinds of values, ranges, names. No mesh has been read or made.
 struct SceneDescription {
   int frames = 60, frames_per_second = 60, substeps = 5;
+  bool gives_substeps = true;  ///< else they are what densities ask for, and loads on cloth may ask for more
   std::int64_t contact_from_frame = 0;
   SolverKind solver = SolverKind::kXpbd;
   XpbdOptions options;

@@ -100,7 +100,7 @@ void refuse_rigid_springs(const SceneDescription& scene) {
 /// Steps a frame where the scene gives none. XPBD carries what lies on a body by as much as the material moves the
 /// body's surface back in a step: for a load, as much as the step's length squared over the mass of that surface. Where
 /// densities differ more than in kSameSteps, steps are shorter by the root. Cloth is stiff for its weight: it takes
-/// kClothSubsteps.
+/// kClothSubsteps, and more under loads (parse_scene()).
 int substeps_of(const SceneDescription& scene) {
   constexpr double kSubsteps = 5, kSameSteps = 5, kMaxSubsteps = 50, kClothSubsteps = 10;
   if (scene.solver != SolverKind::kXpbd) return kSubsteps;
@@ -255,7 +255,8 @@ SceneDescription describe_scene(std::string_view text, const std::filesystem::pa
   for (BodyDescription& body : scene.bodies)
     for (double* own : {&body.material.solid.damping, &body.material.cloth.damping})
       if (*own == kNotGiven) *own = damping;
-  if (scene.substeps == 0) scene.substeps = substeps_of(scene);
+  scene.gives_substeps = scene.substeps > 0;
+  if (!scene.gives_substeps) scene.substeps = substeps_of(scene);
   scene.options.time_step = 1.0 / (static_cast<double>(scene.frames_per_second) * scene.substeps);
   scene.canonical = canonical_text(document);
   return scene;
