@@ -2,6 +2,7 @@
 
 #include "core/parallel.h"
 #include "core/timed.h"
+#include "mesh/position_extent.h"
 #include "selvage/core/error.h"
 #include "simulation/time_step/check_input.h"
 
@@ -21,9 +22,8 @@ constexpr double kTimeSlack = 1e-6;
 constexpr double kMaxThrow = 1000;
 
 double size_of(std::span<const Vec3> positions) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& p : positions) box.extend(p);
-  return box.isEmpty() ? 0 : box.diagonal().norm();
+  const PositionExtent<3> extent = extent_of<3>(positions);
+  return (extent.upper - extent.lower).norm();
 }
 
 std::vector<Index> bodies_of_vertices(const Model& model) {
