@@ -1,6 +1,5 @@
 #include "selvage/scene/scene.h"
 
-#include "elasticity/deformation_gradient.h"
 #include "io/whole_file.h"
 #include "scene/description/scene_description.h"
 #include "scene/fingerprint.h"
@@ -14,7 +13,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace selvage {
@@ -225,28 +223,6 @@ std::uint64_t fingerprint_of(const SceneDescription& description, const Scene& s
   return print.value();
 }
 
-/// Steps a frame in which XPBD lets cloth carry the solid body that is heaviest for its size. A contact moves the
-/// heavier of two by little, so that a sheet that hangs is stretched until what it moves back in a step is enough. A
-/// ball of 600 times the mass for its size of the sheet that catches it takes 19 steps, one of 3,600 times 47: by 10
-/// the sheet is stretched by hundreds of times the energy of the fall.
-int substeps_under_loads(const Model& model) {
-  constexpr double kSubsteps = 10, kSameSteps = 167, kMaxSubsteps = 50;
-  double load = 0, sheet = std::numeric_limits<double>::infinity();
-  for (const Body& body : model.bodies) {
-    if (body.is_cloth()) {
-      sheet = std::min(sheet, body.cloth.density);
-      continue;
-    }
-    double mass = 0, volume = 0;
-    for (Index v = body.first_vertex; v < body.first_vertex + body.vertex_count; ++v)
-      if (model.inverse_masses[v] > 0) mass += 1 / model.inverse_masses[v];
-    for (Index e = body.first_element; e < body.first_element + body.element_count; ++e)
-      volume += element_volume(model.mesh.elements()[e], model.rest_positions);
-    load = std::max(load, mass / std::pow(volume, 2.0 / 3));
-  }
-  return static_cast<int>(std::min(std::ceil(kSubsteps * std::sqrt(load / sheet / kSameSteps)), kMaxSubsteps));
-}
-
 }  // namespace
 
 Scene parse_scene(std::string_view text, const std::filesystem::path& path, std::string_view scale,
@@ -276,11 +252,8 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& path, std:
   scene.vbd_residual = description.vbd_residual;
   scene.frames = description.frames;
   scene.frames_per_second = description.frames_per_second;
-  scene.substeps = description.substeps;
-  if (!description.gives_substeps && scene.solver == SolverKind::kXpbd) {
-    scene.substeps = std::max(scene.substeps, substeps_under_loads(scene.model));
-    scene.options.time_step = 1.0 / (static_cast<double>(scene.frames_per_second) * scene.substeps);
-  }
+  scene.substeps = description.substeps.value_or(default_substeps(scene.model, scene.solver));
+  scene.options.time_step = 1.0 / (static_cast<double>(scene.frames_per_second) * scene.substeps);
   scene.contact_from_frame = description.contact_from_frame;
   scene.fingerprint = fingerprint_of(description, scene);
   if (!description.allow_start_outside) check_start(scene, path.string());

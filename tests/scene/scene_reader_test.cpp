@@ -71,7 +71,7 @@ std::string refusal(const std::string& text, std::string_view scale = {}) {
 TEST(SceneReader, ReadsEveryKey) {
   const SceneDescription scene = describe_scene(kWhole, kFile, "");
   EXPECT_EQ(scene.frames, 3);
-  EXPECT_EQ(scene.options.time_step, 1.0 / 200);
+  EXPECT_EQ(scene.substeps, 4);
   EXPECT_EQ(scene.options.iterations, 2);
   EXPECT_EQ(scene.options.gravity, Vec3(0, 0, -9));
   EXPECT_EQ(scene.options.velocity_damping, 0.5);
@@ -103,13 +103,12 @@ TEST(SceneReader, ScalesReplaceValues) {
   const SceneDescription scene = describe_scene(kWhole, kFile, "paper");
   EXPECT_EQ(scene.bodies[0].mesh.options.cell, 0.25);
   EXPECT_EQ(scene.substeps, 50);
-  EXPECT_EQ(scene.options.time_step, 1.0 / 2500);
   EXPECT_EQ(scene.options.contact.mode, DetectionMode::kCcd);
   EXPECT_NE(scene.canonical, describe_scene(kWhole, kFile, "").canonical);
 }
 
 TEST(SceneReader, TakesMoreStepsWhereDensitiesDifferAndDampsWhatSwings) {
-  const auto described = [](const std::string& densities, const std::string& more) {
+  const auto text = [](const std::string& densities, const std::string& more) {
     std::string bodies;
     for (const char density : densities)
       bodies +=
@@ -117,19 +116,19 @@ TEST(SceneReader, TakesMoreStepsWhereDensitiesDifferAndDampsWhatSwings) {
                       density == 'l'   ? 10
                       : density == 'm' ? 50
                                        : 5000);
-    return describe_scene(fmt::format(R"({{"selvage_scene": 1, "bodies": [{}]{}}})", bodies, more), kFile, "");
+    return fmt::format(R"({{"selvage_scene": 1, "bodies": [{}]{}}})", bodies, more);
   };
-  EXPECT_EQ(described("lm", "").substeps, 5);
-  EXPECT_EQ(described("mh", "").substeps, 23);  // 5 * sqrt(100 / 5), rounded up
-  EXPECT_EQ(described("hl", "").substeps, 50);
-  EXPECT_EQ(described("hl", R"(, "substeps": 7)").substeps, 7);
-  EXPECT_EQ(described("hl", R"(, "solver": "newton")").substeps, 5);
-  const SceneDescription scene = described("mh", "");
-  EXPECT_EQ(scene.options.time_step, 1.0 / (60 * 23));
+  EXPECT_EQ(parse_scene(text("lm", ""), kFile).substeps, 5);
+  EXPECT_EQ(parse_scene(text("mh", ""), kFile).substeps, 23);  // 5 * sqrt(100 / 5), rounded up
+  EXPECT_EQ(parse_scene(text("hl", ""), kFile).substeps, 50);
+  EXPECT_EQ(parse_scene(text("hl", R"(, "substeps": 7)"), kFile).substeps, 7);
+  EXPECT_EQ(parse_scene(text("hl", R"(, "solver": "newton")"), kFile).substeps, 5);
+  EXPECT_EQ(parse_scene(text("mh", ""), kFile).options.time_step, 1.0 / (60 * 23));
+  const SceneDescription scene = describe_scene(text("mh", ""), kFile, "");
   EXPECT_EQ(scene.options.deformation_damping, 1);
   EXPECT_EQ(scene.bodies[0].material.solid.damping, 0.002);
-  EXPECT_EQ(described("l", R"(, "deformation_damping": 0)").options.deformation_damping, 0);
-  EXPECT_EQ(described("l", R"(, "solver": "vbd")").bodies[0].material.solid.damping, 0);
+  EXPECT_EQ(describe_scene(text("l", R"(, "deformation_damping": 0)"), kFile, "").options.deformation_damping, 0);
+  EXPECT_EQ(describe_scene(text("l", R"(, "solver": "vbd")"), kFile, "").bodies[0].material.solid.damping, 0);
   const std::string soft = R"({"selvage_scene": 1, "bodies": [{"mesh": {"shape": "box"}}]})";
   EXPECT_EQ(describe_scene(soft, kFile, "").bodies[0].material.solid.damping, 0.002);
 }

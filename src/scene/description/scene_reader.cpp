@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <cmath>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -97,33 +96,12 @@ void refuse_rigid_springs(const SceneDescription& scene) {
                   "give edge_compliance and volume_compliance above 0, or use the solver xpbd");
 }
 
-/// Steps a frame where the scene gives none. XPBD carries what lies on a body by as much as the material moves the
-/// body's surface back in a step: for a load, as much as the step's length squared over the mass of that surface. Where
-/// densities differ more than in kSameSteps, steps are shorter by the root. Cloth is stiff for its weight: it takes
-/// kClothSubsteps, and more under loads (parse_scene()).
-int substeps_of(const SceneDescription& scene) {
-  constexpr double kSubsteps = 5, kSameSteps = 5, kMaxSubsteps = 50, kClothSubsteps = 10;
-  if (scene.solver != SolverKind::kXpbd) return kSubsteps;
-  double least = std::numeric_limits<double>::infinity(), most = 0, substeps = kSubsteps;
-  for (const BodyDescription& body : scene.bodies) {
-    if (body.is_cloth()) {
-      substeps = kClothSubsteps;
-      continue;
-    }
-    least = std::min(least, body.material.solid.density);
-    most = std::max(most, body.material.solid.density);
-  }
-  const double finer = std::sqrt(std::max(most / least / kSameSteps, 1.0));
-  return static_cast<int>(std::min(std::ceil(substeps * finer), kMaxSubsteps));
-}
-
 void read_solver(JsonObject& object, SceneDescription& scene) {
   scene.options.deformation_damping = kDeformationDamping;
   scene.frames = 60;
   if (const auto v = object.find("frames")) scene.frames = static_cast<int>(v->integer(0, 1'000'000));
   if (const auto v = object.find("frames_per_second"))
     scene.frames_per_second = static_cast<int>(v->integer(1, 100'000));
-  scene.substeps = 0;
   if (const auto v = object.find("substeps")) scene.substeps = static_cast<int>(v->integer(1, 100'000));
   read_minimiser(object, scene);
   if (scene.solver == SolverKind::kVbd) scene.options.iterations = VbdOptions().iterations;
@@ -255,9 +233,6 @@ SceneDescription describe_scene(std::string_view text, const std::filesystem::pa
   for (BodyDescription& body : scene.bodies)
     for (double* own : {&body.material.solid.damping, &body.material.cloth.damping})
       if (*own == kNotGiven) *own = damping;
-  scene.gives_substeps = scene.substeps > 0;
-  if (!scene.gives_substeps) scene.substeps = substeps_of(scene);
-  scene.options.time_step = 1.0 / (static_cast<double>(scene.frames_per_second) * scene.substeps);
   scene.canonical = canonical_text(document);
   return scene;
 }
