@@ -146,8 +146,8 @@ Motion read_motion(const JsonValue& value);
 ColliderDescription read_collider(const JsonValue& value, const std::filesystem::path& folder);
 void read_contact(const JsonValue& value, SceneDescription& scene);
 
-/// Steps a frame where the scene gives none: 5; with XPBD 10 where there is cloth, which is stiff for its weight, and up
-/// to 50 where one body has more to carry than these can.
+/// Steps a frame where the scene gives none: 5; with XPBD 10 where there is cloth, which is stiff for its weight, and
+/// up to 50 where one body has more to carry than these can.
 ///
 /// XPBD carries what lies on a body by as much as the material moves the body's surface back in a step: for a load, as
 /// much as the step's length squared over the mass of that surface. Where densities differ more than fivefold, steps
