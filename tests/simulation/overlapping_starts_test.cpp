@@ -45,7 +45,7 @@ TEST(OverlappingStarts, ComeFreeInAFewFrames) {
     const Model model = make(meshes, damped(neo_hookean(2e5, 0.4), 0.002));
     State state = make_state(model, model.rest_positions);
     XpbdSolver solver(model, state, {}, {Collider{.shape = PlaneShape{}}}, {});
-    for (int step = 0; step < 30 * kStepsAFrame; ++step) {
+    for (int step = 0; step < 20 * kStepsAFrame; ++step) {
       solver.step(state);
       if (step == 0) overlapping += solver.statistics().contact.penetrating_edges > 0;
     }
@@ -53,26 +53,6 @@ TEST(OverlappingStarts, ComeFreeInAFewFrames) {
     EXPECT_EQ(solver.statistics().unguarded_vertices, 0) << "seed " << seed;
   }
   EXPECT_GE(overlapping, count / 2);
-}
-
-/// Two boxes of 125 kg, one 0.3 m above the other, 0.2 m deep in it. Ways out alone gave them 10.9 kJ: 9 m/s.
-TEST(OverlappingStarts, ComeApartWithoutSpeed) {
-  std::vector<IndexedMesh> boxes(2, make_box({0.5, 0.5, 0.5}, 0.12));
-  boxes[0] = moved(boxes[0], {0, 0, 0.1});
-  boxes[1] = moved(boxes[1], {0.2, 0.1, 0.3});
-  const Model model = make(boxes, damped(neo_hookean(1e5, 0.4), 0.002));
-  State state = make_state(model, model.rest_positions);
-  XpbdOptions options;
-  options.gravity = Vec3::Zero();
-  XpbdSolver solver(model, state, {}, {}, options);
-  double most = 0;
-  for (int step = 0; step < 20 * kStepsAFrame; ++step) {
-    solver.step(state);
-    most = std::max(most, kinetic_energy(model, state));
-  }
-  solver.step(state);
-  EXPECT_EQ(solver.statistics().unguarded_vertices, 0);
-  EXPECT_LT(most, 2000);
 }
 
 }  // namespace

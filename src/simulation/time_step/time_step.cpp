@@ -5,7 +5,6 @@
 #include "mesh/position_extent.h"
 #include "selvage/core/error.h"
 #include "simulation/time_step/check_input.h"
-#include "simulation/time_step/tangle_energy.h"
 
 #include <fmt/format.h>
 
@@ -17,8 +16,6 @@ namespace {
 
 /// Part of a step by which rounding may shift a time.
 constexpr double kTimeSlack = 1e-6;
-/// Elements by which bodies may come out of one another in a second, see limit_tangle_energy().
-constexpr double kTangleRate = 10;
 /// Times the size of all bodies by which a solver may move a vertex in a step besides what inertia does. More is no
 /// answer but a solver that diverges, as where colliders leave a body no volume, and contacts on such ways would take
 /// minutes to find.
@@ -208,8 +205,6 @@ void TimeStep::predict(const State& state, std::span<const Vec3> external_forces
     double way = 0;
     void add(const Longest& other) { way = std::max(way, other.way); }
   };
-  inertial_velocities_.clear();
-  if (gate_ && contact_finder_->statistics().penetrating_edges > 0) inertial_velocities_.resize(vertex_count());
   const auto predict_vertex = [&](Index v) {
     const bool is_asleep = sleep_ && body_of_[v] != kNone && sleep_->is_asleep(body_of_[v]);
     const double inverse_mass = is_asleep ? 0 : model_.inverse_masses[v];
@@ -220,7 +215,6 @@ void TimeStep::predict(const State& state, std::span<const Vec3> external_forces
       velocity = kept * (velocities[v] + step * acceleration);
     }
     place(v, state.positions[v] + step * velocity, inverse_mass);
-    if (!inertial_velocities_.empty()) inertial_velocities_[v] = velocity;
     return step * velocity.norm();
   };
   longest_inertial_way_ =
@@ -382,9 +376,6 @@ void TimeStep::finish(State& state) {
     state.velocities[v] = velocity;
     state.positions[v] = position(v);
   });
-  if (!inertial_velocities_.empty())
-    limit_tangle_energy(model_, contacts_, vertices_, body_of_, inertial_velocities_, kTangleRate * element_size_,
-                        state.velocities);
   state.time = step_.end_time;
   ++state.steps;
   if (!sleep_) return;

@@ -127,7 +127,6 @@ class TimeStep {
   std::int64_t state_steps_ = 0;                          ///< State::steps at the start of the step
   std::vector<StepVertex> vertices_;                      ///< (n_contact_vertices)
   std::vector<Vec3> start_positions_, start_velocities_;  ///< (n_contact_vertices) where there are colliders
-  std::vector<Vec3> inertial_velocities_;                 ///< (n_vertices) in steps that begin with edges inside bodies
   std::vector<Vec3> damped_velocities_;  ///< (n_vertices) at the start of the step, where deformations are damped
   std::vector<Vec3> candidate_;          ///< (n_contact_vertices) end of the step as find_contacts() takes it
   std::vector<Contact> contacts_;
