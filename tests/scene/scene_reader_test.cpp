@@ -123,6 +123,8 @@ TEST(SceneReader, TakesMoreStepsWhereDensitiesDifferAndDampsWhatSwings) {
   EXPECT_EQ(parse_scene(text("hl", ""), kFile).substeps, 50);
   EXPECT_EQ(parse_scene(text("hl", R"(, "substeps": 7)"), kFile).substeps, 7);
   EXPECT_EQ(parse_scene(text("hl", R"(, "solver": "newton")"), kFile).substeps, 5);
+  const std::string given = R"(, "substeps": 7, "frames_per_second": 50)";
+  EXPECT_EQ(parse_scene(text("hl", given), kFile).options.time_step, 1.0 / (50 * 7));
   EXPECT_EQ(parse_scene(text("mh", ""), kFile).options.time_step, 1.0 / (60 * 23));
   const SceneDescription scene = describe_scene(text("mh", ""), kFile, "");
   EXPECT_EQ(scene.options.deformation_damping, 1);
