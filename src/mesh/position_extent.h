@@ -17,6 +17,7 @@ struct PositionExtent {
   Vec<D> lower = Vec<D>::Constant(HUGE_VAL), upper = -lower;
   bool finite = true;  ///< whether all coordinates are
 
+  double diagonal() const { return (upper - lower).norm(); }
   void add(const Vec<D>& x) {
     lower = lower.cwiseMin(x);
     upper = upper.cwiseMax(x);

@@ -70,11 +70,9 @@ void write_vtu_frame(const fs::path& path, const Model& model, const State& stat
   grid.points = state.positions;
   grid.tetrahedra.assign(model.mesh.elements().begin(), model.mesh.elements().end());
   grid.triangles = model.triangles;
-  VtkField velocity{"velocity", 3, {}}, body{"body", 1, std::vector<double>(state.positions.size(), -1)};
+  VtkField velocity{"velocity", 3, {}}, body{"body", 1, {}};
   for (const Vec3& v : state.velocities) velocity.values.insert(velocity.values.end(), v.data(), v.data() + 3);
-  for (std::size_t b = 0; b < model.bodies.size(); ++b)
-    std::fill_n(body.values.begin() + model.bodies[b].first_vertex, model.bodies[b].vertex_count,
-                static_cast<double>(b));
+  for (const Index b : bodies_of_vertices(model)) body.values.push_back(b);
   grid.point_fields = {std::move(velocity), std::move(body)};
   write_vtu(path, grid);
 }
@@ -82,12 +80,9 @@ void write_vtu_frame(const fs::path& path, const Model& model, const State& stat
 /// The boundary and cloth with their own vertices only, and each body as a group.
 void write_surface_frame(const fs::path& path, const Model& model, const State& state) {
   IndexedMesh surface;
-  std::vector<Index> number(state.positions.size(), kNone), body_of(state.positions.size(), kNone);
-  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
-    const Body& body = model.bodies[b];
-    surface.group_names.push_back(body.name);
-    std::fill_n(body_of.begin() + body.first_vertex, body.vertex_count, static_cast<Index>(b));
-  }
+  std::vector<Index> number(state.positions.size(), kNone);
+  const std::vector<Index> body_of = bodies_of_vertices(model);
+  for (const Body& body : model.bodies) surface.group_names.push_back(body.name);
   const std::vector<VertexTuple<3>> triangles = surface_triangles(model);
   for (const auto& triangle : triangles)
     for (const Index v : triangle) number[v] = 0;

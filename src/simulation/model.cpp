@@ -152,6 +152,13 @@ TriangleMesh surface_of(const Model& model) {
   return {model.mesh.vertex_count(), surface_triangles(model)};
 }
 
+std::vector<Index> bodies_of_vertices(const Model& model) {
+  std::vector<Index> bodies(model.mesh.vertex_count(), kNone);
+  for (Index b = 0; b < std::ssize(model.bodies); ++b)
+    std::fill_n(bodies.begin() + model.bodies[b].first_vertex, model.bodies[b].vertex_count, b);
+  return bodies;
+}
+
 double mean_edge_of(const Model& model, const Body& body) {
   const auto& x = model.rest_positions;
   double sum = 0;

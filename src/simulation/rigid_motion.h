@@ -22,11 +22,17 @@ class MomentumSums {
       : origin_(origin), flight_(flight) {}
 
   void add(double mass, const Vec3& position, const Vec3& velocity);
-  /// Sums of the same origin and flight.
   void add(const MomentumSums& other);
 
-  /// Of the rigid body with the same momentum and angular momentum. Points in one place or on a line do not turn;
-  /// without points nothing moves.
+  /// Of the centre of mass [m/s]; without points 0.
+  Vec3 velocity() const;
+  /// Angular momentum about the centre of mass [kg m^2/s]; without points 0.
+  Vec3 spin() const;
+  /// The turn about the centre of mass that a rigid body of these points makes with such a spin. Points in one place or
+  /// on a line do not turn.
+  RigidMotion turn(const Vec3& spin) const;
+
+  /// Of the rigid body with the same momentum and spin. Without points nothing moves.
   RigidMotion motion() const;
 
  private:

@@ -42,7 +42,7 @@ void expect_to_get_out(const Model& model, Options options, int steps) {
 
 TEST(CrossedCloth, GetsOutAndIsGuardedThen) {
   const Model model = sheet_and_strip(0.1);
-  expect_to_get_out<XpbdSolver>(model, XpbdOptions(), 400);
+  expect_to_get_out<XpbdSolver>(model, XpbdOptions(), 800);
   expect_to_get_out<VbdSolver>(model, VbdOptions(), 400);
   expect_to_get_out<NewtonSolver>(model, NewtonOptions(), 400);
 }

@@ -64,11 +64,10 @@ TEST(FreeBody, KeepsItsMomentumInFlight) {
     const Drift coarse = drift_of(material, 1.0 / 300), fine = drift_of(material, 1.0 / 1200);
     EXPECT_LT(coarse.momentum, 1e-11);
     EXPECT_LT(fine.momentum, 1e-11);
-    // Impulses act along gradients at the end of the step: first order in the step.
-    EXPECT_LT(coarse.angular_momentum, 0.05);  // a regression mark; that it halves is the law
-    EXPECT_LT(fine.angular_momentum, 0.5 * coarse.angular_momentum);
-    // Implicit: energy is lost, never gained.
-    EXPECT_LT(coarse.gained_energy, 1e-6);
+    EXPECT_LT(coarse.angular_momentum, 1e-11);
+    EXPECT_LT(fine.angular_momentum, 1e-11);
+    // The material is implicit and loses energy; what is given back to the spin is no more than that.
+    EXPECT_LT(coarse.gained_energy, 1e-5);
     EXPECT_LT(fine.gained_energy, 1e-6);
   }
 }

@@ -47,6 +47,9 @@ std::vector<VertexTuple<3>> surface_triangles(const Model& model);
 /// The same as a surface.
 TriangleMesh surface_of(const Model& model);
 
+/// (n_vertices) the body of each vertex; kNone: of none.
+std::vector<Index> bodies_of_vertices(const Model& model);
+
 /// Mean length at rest of the edges of a body's elements or triangles, each edge as often as it has one [m].
 double mean_edge_of(const Model& model, const Body& body);
 

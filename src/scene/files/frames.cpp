@@ -103,11 +103,7 @@ void write_topology(const fs::path& path, const Model& model, std::uint64_t fing
   header.vertices = model.mesh.vertex_count();
   header.elements = model.mesh.element_count();
   header.fingerprint = fingerprint;
-  std::vector<Index> bodies(vertices_of(header), kNone);
-  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
-    const Body& body = model.bodies[b];
-    std::fill_n(bodies.begin() + body.first_vertex, body.vertex_count, static_cast<Index>(b));
-  }
+  const std::vector<Index> bodies = bodies_of_vertices(model);
   const auto elements = model.mesh.elements();
   const std::vector<VertexTuple<3>> faces = surface_triangles(model);
   const std::size_t size = elements.size_bytes() + bodies.size() * sizeof(Index) + std::span(faces).size_bytes();

@@ -45,10 +45,7 @@ BodyCrossingFinder::BodyCrossingFinder(const Model& model, std::span<const Vec3>
     : model_(&model),
       surface_(std::make_unique<TriangleMesh>(surface_of(model))),
       surface_finder_(*surface_, positions),
-      bodies_(static_cast<std::size_t>(model.mesh.vertex_count()), kNone) {
-  for (std::size_t b = 0; b < model.bodies.size(); ++b)
-    std::fill_n(bodies_.begin() + model.bodies[b].first_vertex, model.bodies[b].vertex_count, static_cast<Index>(b));
-}
+      bodies_(bodies_of_vertices(model)) {}
 
 BodyCrossings BodyCrossingFinder::measure(const BoundaryPathFinder<3>& finder, std::span<const Vec3> positions) {
   Sums sums;

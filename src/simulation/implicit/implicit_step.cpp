@@ -57,7 +57,10 @@ bool ImplicitStep::renew_terms() {
   std::vector<OffsetTerm> found;
   append_collider_terms(time_step_, x_, potential_, found);
   std::erase_if(found, [&](const OffsetTerm& term) { return has_collider_term_[term.vertices[0]] != 0; });
-  for (const OffsetTerm& term : found) has_collider_term_[term.vertices[0]] = 1;
+  for (const OffsetTerm& term : found) {
+    has_collider_term_[term.vertices[0]] = 1;
+    time_step_.hold(term.vertices[0]);
+  }
   collider_terms_.insert(collider_terms_.end(), found.begin(), found.end());
   std::vector<OffsetTerm> terms;
   append_contact_terms(time_step_, potential_, terms);

@@ -63,6 +63,7 @@ StepGate::StepGate(const Model& model, Index contact_vertex_count, bool is_stric
 
 bool StepGate::is_violated(ContactFinder& finder, const Step& step, std::span<const StepVertex> vertices,
                            bool impacts_known) {
+  links_.clear();
   find_collapsing_elements(step, vertices);
   if (impacts_known) {
     impacts_ = {};
@@ -296,6 +297,8 @@ GateStatistics StepGate::hold_back(ContactFinder& finder, const Step& step, cons
   }
   report_left(finder.surface(), statistics);
   entries_.clear();
+  for (const Index v : members_) links_.push_back({v, root_of(v)});
+  for (const ZoneTouch& touch : touches_) links_.push_back({touch.vertices[0], kNone});
   for (const Index v : members_) {
     statistics.held_back_vertices += position(vertices[v]) != targets_[v];
     parents_[v] = kNone;

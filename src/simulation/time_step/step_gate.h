@@ -19,6 +19,11 @@ struct GateStatistics {
   std::array<Index, 4> left{kNone, kNone, kNone, kNone};
 };
 
+/// A vertex that has been held back together with another one, or by a collider: kNone.
+struct ZoneLink {
+  Index vertex, other;
+};
+
 /// Holds vertices back at the end of a step, so that nothing that was free at its start meets on the straight way to
 /// its end, no element is inverted that was not, and no vertex that is moved for that enters a collider. Where a step
 /// ends so by itself, nothing is changed.
@@ -52,6 +57,9 @@ class StepGate {
   /// Moves vertices until is_violated() no longer holds, after it held.
   GateStatistics hold_back(ContactFinder& finder, const Step& step, const Carriers& carriers,
                            std::span<StepVertex> vertices);
+
+  /// By the last is_violated() and hold_back(): what has moved together.
+  std::span<const ZoneLink> links() const { return links_; }
 
  private:
   bool is_collapsing(Index element, const Step& step, std::span<const StepVertex> vertices) const;
@@ -88,6 +96,7 @@ class StepGate {
   std::vector<double> times_;       ///< (n_vertices) of a root: the first impact in this round; 1: none
   std::vector<Index> members_;      ///< vertices in zones
   std::vector<ZoneTouch> touches_;  ///< of zones by what carries them
+  std::vector<ZoneLink> links_;
 };
 
 }  // namespace selvage

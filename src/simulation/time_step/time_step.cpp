@@ -5,6 +5,7 @@
 #include "mesh/position_extent.h"
 #include "selvage/core/error.h"
 #include "simulation/time_step/check_input.h"
+#include "simulation/time_step/deformation_damping.h"
 
 #include <fmt/format.h>
 
@@ -20,18 +21,6 @@ constexpr double kTimeSlack = 1e-6;
 /// answer but a solver that diverges, as where colliders leave a body no volume, and contacts on such ways would take
 /// minutes to find.
 constexpr double kMaxThrow = 1000;
-
-double size_of(std::span<const Vec3> positions) {
-  const PositionExtent<3> extent = extent_of<3>(positions);
-  return (extent.upper - extent.lower).norm();
-}
-
-std::vector<Index> bodies_of_vertices(const Model& model) {
-  std::vector<Index> body_of(model.mesh.vertex_count(), kNone);
-  for (Index b = 0; b < std::ssize(model.bodies); ++b)
-    std::fill_n(body_of.begin() + model.bodies[b].first_vertex, model.bodies[b].vertex_count, b);
-  return body_of;
-}
 
 /// Of cloth at each vertex; empty where none is thick [m].
 std::vector<double> half_thickness_of(const Model& model) {
@@ -59,8 +48,9 @@ TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle>
       options_(options),
       handles_(std::move(handles)),
       element_size_(element_size_of(model)),
-      max_throw_(kMaxThrow * size_of(model.rest_positions)),
+      max_throw_(kMaxThrow * extent_of<3>(model.rest_positions).diagonal()),
       body_of_(bodies_of_vertices(model)),
+      free_momentum_(model),
       half_thickness_(half_thickness_of(model)) {
   check_options(options);
   check_state(model, initial);
@@ -72,7 +62,6 @@ TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle>
   }
   collider_states_.resize(vertex_count() * colliders_.size());
   max_corrections_ = max_corrections_of(model);
-  if (options.deformation_damping > 0) damping_.emplace(model);
   if (options.sleep_speed > 0) sleep_.emplace(model, options.sleep_speed, options.gravity);
   if (options.contact.mode != DetectionMode::kOff) collider_surface_ = make_collider_surface(colliders_, element_size_);
   const std::size_t all = vertex_count() + collider_surface_.positions.size();
@@ -138,13 +127,15 @@ void TimeStep::begin(const State& state, std::span<const Vec3> external_forces) 
   statistics_ = {};
   if (sleep_) statistics_.sleeping_bodies = sleep_->asleep_count();
   collider_contacts_ = {};
+  free_momentum_.begin();
   state_steps_ = state.steps;
   set_step(state);
   ++steps_begun_;
   if (!collider_surface_.positions.empty()) place_collider_surface(state);
   if (contact_finder_) contact_finder_->begin_step(step_.positions);
   if (gate_) statistics_.unguarded_vertices = contact_finder_->statistics().unguarded_vertices;
-  predict(state, external_forces);
+  external_forces_ = external_forces;
+  predict(state);
   place_handles();
 }
 
@@ -193,13 +184,21 @@ void TimeStep::place(Index v, const Vec3& position, double inverse_mass) {
   vertices_[v] = {{position[0], position[1], position[2]}, inverse_mass};
 }
 
-void TimeStep::predict(const State& state, std::span<const Vec3> external_forces) {
-  const double step = options_.time_step, kept = 1 / (1 + step * options_.velocity_damping);
-  std::span<const Vec3> velocities = state.velocities;
-  if (damping_) {
-    damped_velocities_.assign(velocities.begin(), velocities.end());
-    damping_->apply(1 / (1 + step * options_.deformation_damping), state.positions, damped_velocities_);
-    velocities = damped_velocities_;
+/// Of a vertex that nothing holds, by inertia and outer forces alone.
+Vec3 TimeStep::inertial_velocity(Index v, const State& state) const {
+  Vec3 acceleration = options_.gravity;
+  if (!external_forces_.empty()) acceleration += model_.inverse_masses[v] * external_forces_[v];
+  const Vec3& velocity = options_.deformation_damping > 0 ? damped_velocities_[v] : state.velocities[v];
+  const double kept = 1 / (1 + options_.time_step * options_.velocity_damping);
+  return kept * (velocity + options_.time_step * acceleration);
+}
+
+void TimeStep::predict(const State& state) {
+  const double step = options_.time_step;
+  if (options_.deformation_damping > 0) {
+    damped_velocities_.assign(state.velocities.begin(), state.velocities.end());
+    damp_deformation(free_momentum_.pieces(), 1 / (1 + step * options_.deformation_damping), state.positions,
+                     damped_velocities_);
   }
   struct Longest {
     double way = 0;
@@ -208,12 +207,7 @@ void TimeStep::predict(const State& state, std::span<const Vec3> external_forces
   const auto predict_vertex = [&](Index v) {
     const bool is_asleep = sleep_ && body_of_[v] != kNone && sleep_->is_asleep(body_of_[v]);
     const double inverse_mass = is_asleep ? 0 : model_.inverse_masses[v];
-    Vec3 velocity = Vec3::Zero();
-    if (inverse_mass > 0) {
-      Vec3 acceleration = options_.gravity;
-      if (!external_forces.empty()) acceleration += inverse_mass * external_forces[v];
-      velocity = kept * (velocities[v] + step * acceleration);
-    }
+    const Vec3 velocity = inverse_mass > 0 ? inertial_velocity(v, state) : Vec3::Zero();
     place(v, state.positions[v] + step * velocity, inverse_mass);
     return step * velocity.norm();
   };
@@ -364,17 +358,33 @@ Vec3 TimeStep::depenetration_of(Index v, const Vec3& moved) const {
   return depenetration;
 }
 
+/// What acts on what in the step, and the momentum of what nothing from outside acts on.
+void TimeStep::keep_free_momentum(const State& state) {
+  free_momentum_.hold_if([&](Index v) {
+    if (!(vertices_[v].inverse_mass > 0)) return true;
+    for (std::size_t c = 0; collider_contacts_.count > 0 && c < colliders_.size(); ++c)
+      if (collider_states_[v * colliders_.size() + c].step == step_.number) return true;
+    return false;
+  });
+  free_momentum_.join(contacts_);
+  if (gate_) free_momentum_.join(gate_->links());
+  free_momentum_.keep(state.positions, [&](Index v) { return inertial_velocity(v, state); });
+}
+
 void TimeStep::finish(State& state) {
   check_positions();
   hold_back();
+  keep_free_momentum(state);
   parallel_for(vertex_count(), kGrain, [&](std::int64_t i) {
     const auto v = static_cast<Index>(i);
     const Vec3 moved = position(v) - state.positions[v];
-    Vec3 velocity = (moved - depenetration_of(v, moved)) / options_.time_step;
-    const double speed = velocity.norm();
-    if (speed > options_.max_speed) velocity *= options_.max_speed / speed;
-    state.velocities[v] = velocity;
+    state.velocities[v] = (moved - depenetration_of(v, moved)) / options_.time_step;
     state.positions[v] = position(v);
+  });
+  free_momentum_.restore(state.positions, state.velocities);
+  parallel_for(vertex_count(), kGrain, [&](std::int64_t v) {
+    const double speed = state.velocities[v].norm();
+    if (speed > options_.max_speed) state.velocities[v] *= options_.max_speed / speed;
   });
   state.time = step_.end_time;
   ++state.steps;

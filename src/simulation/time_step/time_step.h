@@ -6,7 +6,7 @@
 #include "simulation/colliders/collider_surface.h"
 #include "simulation/colliders/project_colliders.h"
 #include "simulation/step.h"
-#include "simulation/time_step/deformation_damping.h"
+#include "simulation/time_step/free_momentum.h"
 #include "simulation/time_step/sleep.h"
 #include "simulation/time_step/step_gate.h"
 
@@ -39,7 +39,7 @@ class TimeStep {
   bool skip_asleep(State& state, std::span<const Vec3> external_forces, bool is_pushed = false);
 
   /// @param state            must stay as it is until finish()
-  /// @param external_forces  (n_vertices) [N] besides gravity, or empty
+  /// @param external_forces  (n_vertices) [N] besides gravity, or empty; the same
   void begin(const State& state, std::span<const Vec3> external_forces);
 
   /// @throws Error  naming the first vertex that is not finite, or that the solver throws a thousand times as far as
@@ -52,6 +52,9 @@ class TimeStep {
 
   /// Friction included. Adds to statistics().collider_contacts.
   void project_colliders();
+
+  /// Something that the step does not know of acts on a vertex: its group does not keep its momentum in this step.
+  void hold(Index v) { free_momentum_.hold(v); }
 
   /// Leaves the state as it was where it throws.
   /// @throws PinchError  see StepOptions
@@ -89,7 +92,9 @@ class TimeStep {
   Index vertex_count() const { return model_.mesh.vertex_count(); }
   Vec3 position(Index v) const { return Eigen::Map<const Eigen::Vector3d>(vertices_[v].position); }
   void place(Index v, const Vec3& position, double inverse_mass);
-  void predict(const State& state, std::span<const Vec3> external_forces);
+  void predict(const State& state);
+  Vec3 inertial_velocity(Index v, const State& state) const;
+  void keep_free_momentum(const State& state);
   void place_handles();
   std::vector<std::uint8_t> bodies_with_handles_that_act() const;
   void set_step(const State& state);
@@ -111,11 +116,11 @@ class TimeStep {
   double element_size_;                              ///< see element_size_of() [m]
   double max_throw_;                                 ///< see is_thrown() [m]
   std::vector<Index> body_of_;                       ///< (n_vertices)
-  std::vector<double> half_thickness_;               ///< (n_vertices) of cloth [m]; empty where none is thick
+  FreeMomentum free_momentum_;
+  std::vector<double> half_thickness_;  ///< (n_vertices) of cloth [m]; empty where none is thick
   std::vector<PreparedCollider> colliders_;
   ColliderSurface collider_surface_;             ///< of the colliders; none where the mode is kOff
   std::optional<ContactFinder> contact_finder_;  ///< none where the mode is kOff
-  std::optional<DeformationDamping> damping_;    ///< none where there is none
   std::optional<Sleep> sleep_;                   ///< none where nothing sleeps
   std::optional<StepGate> gate_;                 ///< none where nothing is held back
   bool no_impacts_ = false;                      ///< on the way to where vertices are now
@@ -127,8 +132,9 @@ class TimeStep {
   std::int64_t state_steps_ = 0;                          ///< State::steps at the start of the step
   std::vector<StepVertex> vertices_;                      ///< (n_contact_vertices)
   std::vector<Vec3> start_positions_, start_velocities_;  ///< (n_contact_vertices) where there are colliders
-  std::vector<Vec3> damped_velocities_;  ///< (n_vertices) at the start of the step, where deformations are damped
-  std::vector<Vec3> candidate_;          ///< (n_contact_vertices) end of the step as find_contacts() takes it
+  std::vector<Vec3> damped_velocities_;    ///< (n_vertices) at the start of the step, where deformations are damped
+  std::span<const Vec3> external_forces_;  ///< of the step
+  std::vector<Vec3> candidate_;            ///< (n_contact_vertices) end of the step as find_contacts() takes it
   std::vector<Contact> contacts_;
   std::vector<Vec3> ejected_;
   std::vector<ColliderContactState> collider_states_;  ///< (n_vertices x n_colliders)

@@ -25,6 +25,7 @@ struct XpbdSolver::Impl {
   std::vector<StepVertex> start;           ///< vertices at the start of the step, where the material needs them
   std::vector<ContactFriction> frictions;  ///< (n_contacts)
   UserConstraint constraint;
+  std::vector<StepVertex> before_constraint;
 
   Impl(const Model& model, const State& initial, std::vector<Handle> handles, std::span<const Collider> colliders,
        const XpbdOptions& o)
@@ -52,7 +53,10 @@ struct XpbdSolver::Impl {
     const StepVertices vertices(all.data()->position, static_cast<Index>(all.size()));
     for (int iteration = first; iteration < last; ++iteration) {
       solve_material(iteration, iteration + 1);
+      before_constraint.assign(all.begin(), all.end());
       constraint(vertices, iteration);
+      for (std::size_t v = 0; v < all.size(); ++v)
+        if (position(all[v]) != position(before_constraint[v])) time_step.hold(static_cast<Index>(v));
     }
   }
 

@@ -54,10 +54,10 @@ TEST(RigidMotion, IsThatOfPointsThatMoveRigidly) {
 
 TEST(DeformationDamping, KeepsMomentumAndSpinOfEachPieceAndTakesTheRest) {
   Boxes boxes(1);
-  const DeformationDamping damping(boxes.model);
+  const Pieces pieces(boxes.model);
   const auto& bodies = boxes.model.bodies;
   const Boxes before = boxes;
-  damping.apply(0.25, boxes.state.positions, boxes.state.velocities);
+  damp_deformation(pieces, 0.25, boxes.state.positions, boxes.state.velocities);
   for (const Body& body : bodies) {
     const Vec3 spin = spin_of(before, body.first_vertex, body.vertex_count);
     EXPECT_LT((spin_of(boxes, body.first_vertex, body.vertex_count) - spin).norm(), 1e-10);
@@ -67,9 +67,9 @@ TEST(DeformationDamping, KeepsMomentumAndSpinOfEachPieceAndTakesTheRest) {
     EXPECT_LT(change.norm(), 1e-12);
   }
   // Applied again with nothing kept, each piece is rigid: then nothing changes any more.
-  damping.apply(0, boxes.state.positions, boxes.state.velocities);
+  damp_deformation(pieces, 0, boxes.state.positions, boxes.state.velocities);
   const std::vector<Vec3> rigid = boxes.state.velocities;
-  damping.apply(0.5, boxes.state.positions, boxes.state.velocities);
+  damp_deformation(pieces, 0.5, boxes.state.positions, boxes.state.velocities);
   for (std::size_t v = 0; v < rigid.size(); ++v) ASSERT_LT((boxes.state.velocities[v] - rigid[v]).norm(), 1e-10);
   EXPECT_LT(kinetic_energy(boxes.model, boxes.state), kinetic_energy(before.model, before.state));
 }
@@ -77,7 +77,7 @@ TEST(DeformationDamping, KeepsMomentumAndSpinOfEachPieceAndTakesTheRest) {
 TEST(DeformationDamping, GivesTheSameBitsForAnyNumberOfThreads) {
   const auto damped = [] {
     Boxes boxes(2);
-    DeformationDamping(boxes.model).apply(0.5, boxes.state.positions, boxes.state.velocities);
+    damp_deformation(Pieces(boxes.model), 0.5, boxes.state.positions, boxes.state.velocities);
     return boxes.state;
   };
   State one;
@@ -108,7 +108,7 @@ TEST(DeformationDamping, ChangesNoBitOfAFlightHoweverFast) {
   Boxes boxes(3);
   for (Vec3& velocity : boxes.state.velocities) velocity = Vec3(1e38, 3, -1e-7);
   const Boxes before = boxes;
-  DeformationDamping(boxes.model).apply(0.5, boxes.state.positions, boxes.state.velocities);
+  damp_deformation(Pieces(boxes.model), 0.5, boxes.state.positions, boxes.state.velocities);
   EXPECT_TRUE(same_bits(boxes.state, before.state));
 }
 
