@@ -21,7 +21,17 @@ class MomentumSums {
   explicit MomentumSums(const Vec3& origin = Vec3::Zero(), const Vec3& flight = Vec3::Zero())
       : origin_(origin), flight_(flight) {}
 
-  void add(double mass, const Vec3& position, const Vec3& velocity);
+  void add(double mass, const Vec3& position, const Vec3& velocity) {
+    const Vec3 arm = position - origin_, relative = velocity - flight_, weighed = mass * arm;
+    mass_ += mass;
+    first_ += weighed;
+    momentum_ += mass * relative;
+    angular_ += weighed.cross(relative);
+    for (int i = 0; i < 3; ++i) {
+      squares_[i] += weighed[i] * arm[i];
+      products_[i] += weighed[(i + 1) % 3] * arm[(i + 2) % 3];
+    }
+  }
   void add(const MomentumSums& other);
 
   /// Of the centre of mass [m/s]; without points 0.
@@ -39,7 +49,8 @@ class MomentumSums {
   Vec3 origin_, flight_;
   double mass_ = 0;
   Vec3 first_ = Vec3::Zero(), momentum_ = Vec3::Zero(), angular_ = Vec3::Zero();
-  Eigen::Matrix<double, 3, 3, Eigen::DontAlign> second_ = Eigen::Matrix3d::Zero();  ///< sum of mass * arm * arm^T
+  Vec3 squares_ = Vec3::Zero();   ///< sum of mass * arm_i^2
+  Vec3 products_ = Vec3::Zero();  ///< of mass * arm_y * arm_z, arm_z * arm_x, arm_x * arm_y
 };
 
 }  // namespace selvage

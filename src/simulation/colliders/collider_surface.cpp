@@ -286,6 +286,13 @@ void Builder::add_shape(const MeshCollider& collider) {
 
 }  // namespace
 
+std::vector<VertexTuple<3>> ColliderSurface::triangles_after(Index vertex_count) const {
+  std::vector<VertexTuple<3>> following = triangles;
+  for (auto& triangle : following)
+    for (Index& v : triangle) v += vertex_count;
+  return following;
+}
+
 double element_size_of(const Model& model) {
   double least = 0;
   for (const Body& body : model.bodies) {

@@ -14,6 +14,9 @@ struct ColliderSurface {
   std::vector<Vec3> start_positions;        ///< the same at its start; empty where no collider is key-framed
   std::vector<VertexTuple<3>> triangles;    ///< outward
   std::vector<Index> collider_of_vertices;  ///< (n_positions)
+
+  /// With numbers of vertices that follow others.
+  std::vector<VertexTuple<3>> triangles_after(Index vertex_count) const;
 };
 
 /// A length by which bodies are divided: the least of their mean edges at rest [m]; 0 without an element. O(n).

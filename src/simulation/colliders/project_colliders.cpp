@@ -76,13 +76,12 @@ struct MovingCollider {
   /// @param was             start_of() the vertex
   /// @param max_correction  what starts the step deeper inside comes out by so much [m]
   template <typename Shape>
-  ColliderContacts push_out(const Shape& shape, const Step& step, std::int64_t v, const Vec3& was,
-                            double max_correction, const Vec3& ejected, ColliderContactState& state,
-                            StepVertex& vertex) const {
+  void push_out(const Shape& shape, const Step& step, std::int64_t v, const Vec3& was, double max_correction,
+                const Vec3& ejected, ColliderContactState& state, StepVertex& vertex,
+                ColliderContacts& contacts) const {
     const Vec3 p = to_local(vertex);
     const std::optional<Hit> hit = find_hit_on_way(shape, was, p);
-    if (!hit) return {};
-    ColliderContacts contacts;
+    if (!hit) return;
     if (state.step != step.number) {
       state = {};
       state.step = step.number;
@@ -91,19 +90,18 @@ struct MovingCollider {
         state.way_out = end.rotation * at_start->normal;
         state.start_depth = at_start->depth;
         state.depth_left = std::max(0.0, at_start->depth - max_correction);
-        contacts.started_inside = 1;
+        ++contacts.started_inside;
       }
     }
     const double push = hit->depth - state.depth_left;
-    if (!(push > 0)) return contacts;
-    contacts.count = 1;
+    if (!(push > 0)) return;
+    contacts.pushed.push_back(static_cast<Index>(v));
     state.normal = end.rotation * hit->normal;
     const Vec3 outside = p + push * hit->normal;
     const Vec3 moved = outside - was - end.rotation.transpose() * ejected;
     const Vec3 drift = end.invert(step.positions[v] + step.length() * step.velocities[v]) - was;
     const Vec3 slide = friction_correction(moved, drift, hit->normal, push, collider.friction, state.friction);
     position(vertex) = end(outside + slide);
-    return contacts;
   }
 
   /// Moves a vertex that friction has left inside, or beyond, to the surface once more.
@@ -186,21 +184,21 @@ class Projection {
   }
 
   void project_run(std::int64_t first, std::int64_t last, ColliderContacts& hits) {
-    std::vector<std::int64_t> pushed;
+    const std::size_t pushed_before = hits.pushed.size();
     Boxes boxes;
     if (uses_boxes()) boxes = boxes_around(first, last);
     for (std::size_t c = 0; c < colliders_.size(); ++c)
       std::visit(
           [&](const auto& shape) {
             if (uses_boxes() && colliders_[c].is_clear_of(shape, boxes.starts, boxes.now)) return;
-            const std::int64_t before = hits.count;
-            push_run_out(c, shape, first, last, pushed, hits);
-            if (uses_boxes() && hits.count > before) boxes = boxes_around(first, last);
+            const std::size_t before = hits.pushed.size();
+            push_run_out(c, shape, first, last, hits);
+            if (uses_boxes() && hits.pushed.size() > before) boxes = boxes_around(first, last);
           },
           colliders_[c].collider.shape);
     // Friction that stops a vertex from sliding along one wall also stops it from leaving another, and from leaving the
     // same one where that is hollow.
-    for (const std::int64_t v : pushed)
+    for (const std::int64_t v : std::span(hits.pushed).subspan(pushed_before))
       for (std::size_t c = 0; c < colliders_.size(); ++c) {
         const ColliderContactState& state = states_[v * colliders_.size() + c];
         const double depth_left = state.step == step_.number ? state.depth_left : 0;
@@ -211,8 +209,7 @@ class Projection {
   double half_thickness_of(std::int64_t v) const { return half_thickness_.empty() ? 0 : half_thickness_[v]; }
 
   template <typename Shape>
-  void push_run_out(std::size_t c, const Shape& shape, std::int64_t first, std::int64_t last,
-                    std::vector<std::int64_t>& pushed, ColliderContacts& hits) {
+  void push_run_out(std::size_t c, const Shape& shape, std::int64_t first, std::int64_t last, ColliderContacts& hits) {
     for (std::int64_t v = first; v < last; ++v) {
       if (!(vertices_[v].inverse_mass > 0)) continue;
       const double half = half_thickness_of(v);
@@ -220,12 +217,10 @@ class Projection {
       if (half == 0 && colliders_[c].is_outside(shape, vertices_[v])) continue;
       const Vec3 was = colliders_[c].start_of(step_, v);
       const auto push_out = [&](const auto& own) {
-        return colliders_[c].push_out(own, step_, v, was, max_corrections_[v], ejected_[v],
-                                      states_[v * colliders_.size() + c], vertices_[v]);
+        colliders_[c].push_out(own, step_, v, was, max_corrections_[v], ejected_[v], states_[v * colliders_.size() + c],
+                               vertices_[v], hits);
       };
-      const ColliderContacts hit = half > 0 ? push_out(grown_for(shape, half, was)) : push_out(shape);
-      if (hit.count > 0) pushed.push_back(v);
-      hits.add(hit);
+      half > 0 ? push_out(grown_for(shape, half, was)) : push_out(shape);
     }
   }
 

@@ -56,13 +56,13 @@ struct ColliderSupports {
   }
 };
 
-/// Counts over vertices and colliders.
+/// Over vertices and colliders.
 struct ColliderContacts {
-  std::int64_t count = 0;           ///< pushes
+  std::vector<Index> pushed;        ///< vertices, once for each push
   std::int64_t started_inside = 0;  ///< first pushes of a step, of vertices that started it inside
 
   void add(const ColliderContacts& other) {
-    count += other.count;
+    pushed.insert(pushed.end(), other.pushed.begin(), other.pushed.end());
     started_inside += other.started_inside;
   }
 };

@@ -26,23 +26,36 @@ void FreeMomentum::join(std::span<const ZoneLink> links) {
   for (const auto& [vertex, other] : links) groups_.join(node_of(vertex), node_of(other));
 }
 
-void FreeMomentum::find_free() {
-  any_free_ = false;
+/// False: all is held.
+bool FreeMomentum::find_free() {
+  bool any_free = false;
   for (Index p = 0; p < pieces_.count(); ++p) {
     const bool is_held = groups_.lowest(p) == groups_.lowest(outside());
     group_of_[p] = is_held ? kNone : groups_.lowest(p);
-    any_free_ |= !is_held;
+    any_free |= !is_held;
   }
+  return any_free;
 }
 
-void FreeMomentum::restore(std::span<const Vec3> positions, std::span<Vec3> velocities) const {
-  if (!any_free_) return;
-  const std::vector<MomentumSums> after = momentum_of_groups(positions, [&](Index v) { return velocities[v]; });
+/// Of a group at its first piece.
+void FreeMomentum::add_up(std::span<MomentumSums> of_pieces) const {
+  for (Index p = 0; p < pieces_.count(); ++p)
+    if (group_of_[p] != kNone && group_of_[p] != p) of_pieces[group_of_[p]].add(of_pieces[p]);
+}
+
+void FreeMomentum::restore(std::span<const MomentumSums> start, const Vec3& gained, double kept,
+                           std::span<const Vec3> positions, std::span<Vec3> velocities) {
+  if (!find_free()) return;
+  std::vector<MomentumSums> before(start.begin(), start.end());
+  std::vector<MomentumSums> after = pieces_.momentum(
+      positions, [&](Index v) { return velocities[v]; }, [&](Index piece) { return group_of_[piece] != kNone; });
+  add_up(before);
+  add_up(after);
   std::vector<RigidMotion> missing(pieces_.count());
   for (Index p = 0; p < pieces_.count(); ++p) {
     if (group_of_[p] != p) continue;
-    missing[p] = after[p].turn(before_[p].spin() - after[p].spin());
-    missing[p].shift = before_[p].velocity() - after[p].velocity();
+    missing[p] = after[p].turn(kept * before[p].spin() - after[p].spin());
+    missing[p].shift = kept * (before[p].velocity() + gained) - after[p].velocity();
   }
   pieces_.visit_vertices([&](Index piece, Index v) {
     if (group_of_[piece] != kNone) velocities[v] += missing[group_of_[piece]](positions[v]);

@@ -36,18 +36,22 @@ std::vector<Index> pieces_of_vertices(const Model& model) {
 
 }  // namespace
 
-Pieces::Pieces(const Model& model) : inverse_masses_(model.inverse_masses), of_vertex_(pieces_of_vertices(model)) {
+Pieces::Pieces(const Model& model) : of_vertex_(pieces_of_vertices(model)) {
   for (Index v = 0; v < model.mesh.vertex_count(); ++v) {
     count_ = std::max(count_, of_vertex_[v] + 1);
     if (of_vertex_[v] != kNone && model.inverse_masses[v] > 0) vertices_.push_back(v);
   }
   std::stable_sort(vertices_.begin(), vertices_.end(), [&](Index a, Index b) { return of_vertex_[a] < of_vertex_[b]; });
+  for (const Index v : vertices_) masses_.push_back(1 / model.inverse_masses[v]);
   for (std::size_t i = 0; i < vertices_.size(); ++i) {
     const Index piece = of_vertex_[vertices_[i]];
     if (slices_.empty() || slices_.back().piece != piece || i - slices_.back().first == kSlice)
       slices_.push_back({piece, i, i});
     slices_.back().last = i + 1;
   }
+  first_vertices_.resize(count_, kNone);
+  for (const Slice& slice : slices_)
+    if (first_vertices_[slice.piece] == kNone) first_vertices_[slice.piece] = vertices_[slice.first];
 }
 
 }  // namespace selvage

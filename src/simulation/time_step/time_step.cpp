@@ -33,13 +33,6 @@ std::vector<double> half_thickness_of(const Model& model) {
   return thickness;
 }
 
-/// Triangles with numbers of vertices that follow others.
-std::vector<VertexTuple<3>> triangles_after(Index vertex_count, std::vector<VertexTuple<3>> triangles) {
-  for (auto& triangle : triangles)
-    for (Index& v : triangle) v += vertex_count;
-  return triangles;
-}
-
 }  // namespace
 
 TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle> handles,
@@ -77,7 +70,7 @@ TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle>
     positions.push_back(
         colliders_[collider_surface_.collider_of_vertices[i]].motion.at(0)(collider_surface_.positions[i]));
   contact_finder_.emplace(model.mesh, model.rest_positions, positions, body_of_, contact,
-                          triangles_after(model.mesh.vertex_count(), collider_surface_.triangles),
+                          collider_surface_.triangles_after(model.mesh.vertex_count()),
                           ContactCloth{model.triangles, half_thickness_});
   candidate_.resize(all);
   if (contact.hold_back && contact.mode == DetectionMode::kHybrid && !contact.interior_points)
@@ -128,14 +121,17 @@ void TimeStep::begin(const State& state, std::span<const Vec3> external_forces) 
   if (sleep_) statistics_.sleeping_bodies = sleep_->asleep_count();
   collider_contacts_ = {};
   free_momentum_.begin();
+  for (Index p = 0; sleep_ && p < free_momentum_.pieces().count(); ++p) {
+    const Index v = free_momentum_.pieces().first_vertex(p);
+    if (v != kNone && body_of_[v] != kNone && sleep_->is_asleep(body_of_[v])) free_momentum_.hold(v);
+  }
   state_steps_ = state.steps;
   set_step(state);
   ++steps_begun_;
   if (!collider_surface_.positions.empty()) place_collider_surface(state);
   if (contact_finder_) contact_finder_->begin_step(step_.positions);
   if (gate_) statistics_.unguarded_vertices = contact_finder_->statistics().unguarded_vertices;
-  external_forces_ = external_forces;
-  predict(state);
+  predict(state, external_forces);
   place_handles();
 }
 
@@ -184,22 +180,25 @@ void TimeStep::place(Index v, const Vec3& position, double inverse_mass) {
   vertices_[v] = {{position[0], position[1], position[2]}, inverse_mass};
 }
 
-/// Of a vertex that nothing holds, by inertia and outer forces alone.
-Vec3 TimeStep::inertial_velocity(Index v, const State& state) const {
-  Vec3 acceleration = options_.gravity;
-  if (!external_forces_.empty()) acceleration += model_.inverse_masses[v] * external_forces_[v];
-  const Vec3& velocity = options_.deformation_damping > 0 ? damped_velocities_[v] : state.velocities[v];
-  const double kept = 1 / (1 + options_.time_step * options_.velocity_damping);
-  return kept * (velocity + options_.time_step * acceleration);
+double TimeStep::kept_velocity() const {
+  return 1 / (1 + options_.time_step * options_.velocity_damping);
 }
 
-void TimeStep::predict(const State& state) {
-  const double step = options_.time_step;
+void TimeStep::predict(const State& state, std::span<const Vec3> external_forces) {
+  const double step = options_.time_step, kept = kept_velocity();
+  const Pieces& pieces = free_momentum_.pieces();
+  std::span<const Vec3> velocities = state.velocities;
+  start_momentum_ = pieces.momentum(state.positions, [&](Index v) { return state.velocities[v]; });
   if (options_.deformation_damping > 0) {
-    damped_velocities_.assign(state.velocities.begin(), state.velocities.end());
-    damp_deformation(free_momentum_.pieces(), 1 / (1 + step * options_.deformation_damping), state.positions,
+    damped_velocities_.assign(velocities.begin(), velocities.end());
+    damp_deformation(pieces, start_momentum_, 1 / (1 + step * options_.deformation_damping), state.positions,
                      damped_velocities_);
+    velocities = damped_velocities_;
   }
+  if (!external_forces.empty())
+    start_momentum_ = pieces.momentum(state.positions, [&](Index v) {
+      return Vec3(velocities[v] + step * model_.inverse_masses[v] * external_forces[v]);
+    });
   struct Longest {
     double way = 0;
     void add(const Longest& other) { way = std::max(way, other.way); }
@@ -207,7 +206,12 @@ void TimeStep::predict(const State& state) {
   const auto predict_vertex = [&](Index v) {
     const bool is_asleep = sleep_ && body_of_[v] != kNone && sleep_->is_asleep(body_of_[v]);
     const double inverse_mass = is_asleep ? 0 : model_.inverse_masses[v];
-    const Vec3 velocity = inverse_mass > 0 ? inertial_velocity(v, state) : Vec3::Zero();
+    Vec3 velocity = Vec3::Zero();
+    if (inverse_mass > 0) {
+      Vec3 acceleration = options_.gravity;
+      if (!external_forces.empty()) acceleration += inverse_mass * external_forces[v];
+      velocity = kept * (velocities[v] + step * acceleration);
+    }
     place(v, state.positions[v] + step * velocity, inverse_mass);
     return step * velocity.norm();
   };
@@ -221,8 +225,10 @@ void TimeStep::place_handles() {
   for (std::size_t h = 0; h < handles_.size(); ++h) {
     if (!is_held(handles_[h])) continue;
     const RigidTransform transform = handles_[h].motion.at(step_.end_time);
-    for (std::size_t i = 0; i < handles_[h].vertices.size(); ++i)
+    for (std::size_t i = 0; i < handles_[h].vertices.size(); ++i) {
       place(handles_[h].vertices[i], transform(handle_positions_[h][i]), 0);
+      free_momentum_.hold(handles_[h].vertices[i]);
+    }
   }
 }
 
@@ -318,7 +324,7 @@ void TimeStep::project_colliders() {
   no_impacts_ = false;
   collider_contacts_.add(selvage::project_colliders(colliders_, step_, max_corrections_, half_thickness_, ejected_,
                                                     collider_states_, vertices()));
-  statistics_.collider_contacts = collider_contacts_.count;
+  statistics_.collider_contacts = std::ssize(collider_contacts_.pushed);
 }
 
 bool TimeStep::is_thrown(Index v) const {
@@ -358,34 +364,29 @@ Vec3 TimeStep::depenetration_of(Index v, const Vec3& moved) const {
   return depenetration;
 }
 
-/// What acts on what in the step, and the momentum of what nothing from outside acts on.
-void TimeStep::keep_free_momentum(const State& state) {
-  free_momentum_.hold_if([&](Index v) {
-    if (!(vertices_[v].inverse_mass > 0)) return true;
-    for (std::size_t c = 0; collider_contacts_.count > 0 && c < colliders_.size(); ++c)
-      if (collider_states_[v * colliders_.size() + c].step == step_.number) return true;
-    return false;
-  });
+void TimeStep::restore_free_momentum(State& state) {
+  for (const Index v : collider_contacts_.pushed) free_momentum_.hold(v);
   free_momentum_.join(contacts_);
   if (gate_) free_momentum_.join(gate_->links());
-  free_momentum_.keep(state.positions, [&](Index v) { return inertial_velocity(v, state); });
+  free_momentum_.restore(start_momentum_, options_.time_step * options_.gravity, kept_velocity(), state.positions,
+                         state.velocities);
 }
 
 void TimeStep::finish(State& state) {
   check_positions();
   hold_back();
-  keep_free_momentum(state);
   parallel_for(vertex_count(), kGrain, [&](std::int64_t i) {
     const auto v = static_cast<Index>(i);
     const Vec3 moved = position(v) - state.positions[v];
     state.velocities[v] = (moved - depenetration_of(v, moved)) / options_.time_step;
     state.positions[v] = position(v);
   });
-  free_momentum_.restore(state.positions, state.velocities);
-  parallel_for(vertex_count(), kGrain, [&](std::int64_t v) {
-    const double speed = state.velocities[v].norm();
-    if (speed > options_.max_speed) state.velocities[v] *= options_.max_speed / speed;
-  });
+  restore_free_momentum(state);
+  if (options_.max_speed < std::numeric_limits<double>::infinity())
+    parallel_for(vertex_count(), kGrain, [&](std::int64_t v) {
+      const double speed = state.velocities[v].norm();
+      if (speed > options_.max_speed) state.velocities[v] *= options_.max_speed / speed;
+    });
   state.time = step_.end_time;
   ++state.steps;
   if (!sleep_) return;

@@ -39,7 +39,7 @@ class TimeStep {
   bool skip_asleep(State& state, std::span<const Vec3> external_forces, bool is_pushed = false);
 
   /// @param state            must stay as it is until finish()
-  /// @param external_forces  (n_vertices) [N] besides gravity, or empty; the same
+  /// @param external_forces  (n_vertices) [N] besides gravity, or empty
   void begin(const State& state, std::span<const Vec3> external_forces);
 
   /// @throws Error  naming the first vertex that is not finite, or that the solver throws a thousand times as far as
@@ -74,7 +74,7 @@ class TimeStep {
   std::span<const PreparedCollider> colliders() const { return colliders_; }
   /// By the pushes of project_colliders() in this step.
   ColliderSupports supports() {
-    if (collider_contacts_.count == 0) return {};
+    if (collider_contacts_.pushed.empty()) return {};
     return {collider_states_, colliders_.size(), step_.number};
   }
   /// (n_vertices) by which colliders hold cloth off [m]; empty where none is thick.
@@ -92,9 +92,9 @@ class TimeStep {
   Index vertex_count() const { return model_.mesh.vertex_count(); }
   Vec3 position(Index v) const { return Eigen::Map<const Eigen::Vector3d>(vertices_[v].position); }
   void place(Index v, const Vec3& position, double inverse_mass);
-  void predict(const State& state);
-  Vec3 inertial_velocity(Index v, const State& state) const;
-  void keep_free_momentum(const State& state);
+  double kept_velocity() const;
+  void predict(const State& state, std::span<const Vec3> external_forces);
+  void restore_free_momentum(State& state);
   void place_handles();
   std::vector<std::uint8_t> bodies_with_handles_that_act() const;
   void set_step(const State& state);
@@ -132,9 +132,9 @@ class TimeStep {
   std::int64_t state_steps_ = 0;                          ///< State::steps at the start of the step
   std::vector<StepVertex> vertices_;                      ///< (n_contact_vertices)
   std::vector<Vec3> start_positions_, start_velocities_;  ///< (n_contact_vertices) where there are colliders
-  std::vector<Vec3> damped_velocities_;    ///< (n_vertices) at the start of the step, where deformations are damped
-  std::span<const Vec3> external_forces_;  ///< of the step
-  std::vector<Vec3> candidate_;            ///< (n_contact_vertices) end of the step as find_contacts() takes it
+  std::vector<Vec3> damped_velocities_;       ///< (n_vertices) at the start of the step, where deformations are damped
+  std::vector<MomentumSums> start_momentum_;  ///< (n_pieces) with what outer forces add
+  std::vector<Vec3> candidate_;               ///< (n_contact_vertices) end of the step as find_contacts() takes it
   std::vector<Contact> contacts_;
   std::vector<Vec3> ejected_;
   std::vector<ColliderContactState> collider_states_;  ///< (n_vertices x n_colliders)

@@ -27,6 +27,13 @@ struct Boxes {
   }
 };
 
+void damp(Boxes& boxes, double kept) {
+  const Pieces pieces(boxes.model);
+  State& state = boxes.state;
+  const auto momentum = pieces.momentum(state.positions, [&](Index v) { return state.velocities[v]; });
+  damp_deformation(pieces, momentum, kept, state.positions, state.velocities);
+}
+
 Vec3 spin_of(const Boxes& boxes, Index first, Index count) {
   MomentumSums sums(boxes.state.positions[first]);
   for (Index v = first; v < first + count; ++v)
@@ -54,10 +61,9 @@ TEST(RigidMotion, IsThatOfPointsThatMoveRigidly) {
 
 TEST(DeformationDamping, KeepsMomentumAndSpinOfEachPieceAndTakesTheRest) {
   Boxes boxes(1);
-  const Pieces pieces(boxes.model);
   const auto& bodies = boxes.model.bodies;
   const Boxes before = boxes;
-  damp_deformation(pieces, 0.25, boxes.state.positions, boxes.state.velocities);
+  damp(boxes, 0.25);
   for (const Body& body : bodies) {
     const Vec3 spin = spin_of(before, body.first_vertex, body.vertex_count);
     EXPECT_LT((spin_of(boxes, body.first_vertex, body.vertex_count) - spin).norm(), 1e-10);
@@ -67,9 +73,9 @@ TEST(DeformationDamping, KeepsMomentumAndSpinOfEachPieceAndTakesTheRest) {
     EXPECT_LT(change.norm(), 1e-12);
   }
   // Applied again with nothing kept, each piece is rigid: then nothing changes any more.
-  damp_deformation(pieces, 0, boxes.state.positions, boxes.state.velocities);
+  damp(boxes, 0);
   const std::vector<Vec3> rigid = boxes.state.velocities;
-  damp_deformation(pieces, 0.5, boxes.state.positions, boxes.state.velocities);
+  damp(boxes, 0.5);
   for (std::size_t v = 0; v < rigid.size(); ++v) ASSERT_LT((boxes.state.velocities[v] - rigid[v]).norm(), 1e-10);
   EXPECT_LT(kinetic_energy(boxes.model, boxes.state), kinetic_energy(before.model, before.state));
 }
@@ -77,7 +83,7 @@ TEST(DeformationDamping, KeepsMomentumAndSpinOfEachPieceAndTakesTheRest) {
 TEST(DeformationDamping, GivesTheSameBitsForAnyNumberOfThreads) {
   const auto damped = [] {
     Boxes boxes(2);
-    damp_deformation(Pieces(boxes.model), 0.5, boxes.state.positions, boxes.state.velocities);
+    damp(boxes, 0.5);
     return boxes.state;
   };
   State one;
@@ -108,7 +114,7 @@ TEST(DeformationDamping, ChangesNoBitOfAFlightHoweverFast) {
   Boxes boxes(3);
   for (Vec3& velocity : boxes.state.velocities) velocity = Vec3(1e38, 3, -1e-7);
   const Boxes before = boxes;
-  damp_deformation(Pieces(boxes.model), 0.5, boxes.state.positions, boxes.state.velocities);
+  damp(boxes, 0.5);
   EXPECT_TRUE(same_bits(boxes.state, before.state));
 }
 

@@ -65,16 +65,16 @@ TEST(FreeMomentum, IsKeptWhereBodiesMeetByEachSolverAndMode) {
 TEST(FreeMomentum, GoesWithinGroupsOnly) {
   const MeetingBoxes boxes;
   FreeMomentum kept(boxes.model);
+  const auto start = kept.pieces().momentum(boxes.state.positions, [&](Index v) { return boxes.state.velocities[v]; });
   const Index other = boxes.model.bodies[1].first_vertex;
   const auto changed = [&](std::span<const ZoneLink> links) {
     kept.begin();
     kept.join(links);
-    kept.keep(boxes.state.positions, [&](Index v) { return boxes.state.velocities[v]; });
     MeetingBoxes later = boxes;
     for (std::size_t v = 0; v < later.state.velocities.size(); ++v)  // the first body turns faster, the second does not
       if (later.is_first(v)) later.state.velocities[v] += Vec3(1, 0, 0) + Vec3(0, 0, 3).cross(later.from_middle(v));
     const State solved = later.state;
-    kept.restore(later.state.positions, later.state.velocities);
+    kept.restore(start, Vec3::Zero(), 1, later.state.positions, later.state.velocities);
     return std::pair(solved, later);
   };
   const auto [solved_apart, apart] = changed({});
@@ -101,19 +101,18 @@ TEST(FreeMomentum, OfWhatIsPinnedOrPushedIsLeftToTheSolver) {
   MeetingBoxes boxes;
   boxes.model.inverse_masses[0] = 0;  // a corner of the first
   FreeMomentum kept(boxes.model);
+  const auto start = kept.pieces().momentum(boxes.state.positions, [&](Index v) { return boxes.state.velocities[v]; });
   kept.begin();
   const Index other = boxes.model.bodies[1].first_vertex;
-  kept.hold_if([&](Index v) { return v == boxes.model.mesh.vertex_count() - 1; });
-  kept.keep(boxes.state.positions, [&](Index v) { return boxes.state.velocities[v]; });
+  kept.hold(boxes.model.mesh.vertex_count() - 1);
   State turned = boxes.state;
   for (Vec3& velocity : turned.velocities) velocity *= 2;
   const State solved = turned;
-  kept.restore(turned.positions, turned.velocities);
+  kept.restore(start, Vec3::Zero(), 1, turned.positions, turned.velocities);
   EXPECT_TRUE(same_bits(solved, turned));
 
   kept.begin();  // in the next step only the pin is left
-  kept.keep(boxes.state.positions, [&](Index v) { return boxes.state.velocities[v]; });
-  kept.restore(turned.positions, turned.velocities);
+  kept.restore(start, Vec3::Zero(), 1, turned.positions, turned.velocities);
   for (Index v = 0; v < other; ++v) ASSERT_EQ(solved.velocities[v], turned.velocities[v]);
   EXPECT_NE(solved.velocities[other], turned.velocities[other]);
 }
