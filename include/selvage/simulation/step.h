@@ -21,6 +21,9 @@ class PinchError : public Error {
 /// vertices and faces, and of edges, that share no vertex and belong to bodies or one to a collider, none meets on the
 /// straight way from State::positions before to those after, decided exactly. Where bodies penetrate at the start of a
 /// step, StepStatistics::unguarded_vertices says so.
+///
+/// Bodies that touch one another, and no collider, handle, pinned or sleeping vertex or constraint of the user, keep
+/// their momentum and angular momentum to rounding, whatever the solver leaves undone.
 struct StepOptions {
   double time_step = 1.0 / 300;  ///< [s] of one step
   Vec3 gravity{0, 0, -9.81};     ///< [m/s^2]
