@@ -110,26 +110,27 @@ std::vector<Vec3> GateZone::bent_ways(const Model& model, const Step& step, cons
 }
 
 std::vector<Vec3> GateZone::base_ways(const Model& model, const Step& step, const Carriers& carriers,
-                                      std::span<const Vec3> targets, bool stands, bool may_bend) const {
+                                      std::span<const Vec3> targets, ZoneBase base, bool may_bend) const {
   if (may_bend && is_torn(step, carriers)) return bent_ways(model, step, carriers);
   std::vector<Vec3> ways;
   const auto carried = [&](Index v) { return carriers.way(carrier_, step, step.positions[v]); };
-  RigidMotion base;
+  RigidMotion motion;
   if (carrier_ != kNone && carriers.keyframed(carrier_) != nullptr) {
-    if (stands) {
+    if (base != ZoneBase::kRigid) {
       for (const Index v : vertices) ways.push_back(carried(v));
       return ways;
     }
-    base = rigid_motion(
+    motion = rigid_motion(
         vertices, step, [](Index) { return 1.0; }, carried);
   } else if (carrier_ != kNone) {
-    base = motion_of(carriers.motions[carrier_]);
-  } else if (!stands) {
-    base = rigid_motion(
+    motion = motion_of(carriers.motions[carrier_]);
+  } else if (base != ZoneBase::kStands) {
+    motion = rigid_motion(
         vertices, step, [&](Index v) { return 1 / model.inverse_masses[v]; },
         [&](Index v) { return Vec3(targets[v] - step.positions[v]); });
+    if (base == ZoneBase::kDrifts) motion.linear.setZero();
   }
-  for (const Index v : vertices) ways.push_back(base(step.positions[v]));
+  for (const Index v : vertices) ways.push_back(motion(step.positions[v]));
   return ways;
 }
 

@@ -43,6 +43,13 @@ struct ZoneTouch {
 /// Where a carrier touches a vertex.
 ZoneTouch touch_of_vertex(Index vertex, Index carrier, const Step& step, const Carriers& carriers);
 
+/// What is left of a zone's own motion where it is scaled down to nothing.
+enum class ZoneBase : std::uint8_t {
+  kRigid,   ///< the rigid displacement that keeps its momentum and angular momentum
+  kDrifts,  ///< the shift that keeps its momentum
+  kStands,  ///< none
+};
+
 /// Vertices that StepGate holds back together, and what carries them.
 class GateZone {
  public:
@@ -50,16 +57,16 @@ class GateZone {
 
   void add(const ZoneTouch& touch);
 
-  /// By how far the vertices go where their own motion is scaled down to nothing [m]. Of a zone that nothing carries:
-  /// by the rigid displacement that keeps its momentum and angular momentum. Else with its carrier: the first, or where
-  /// carriers move apart, bent so that what touches each of them goes with it.
+  /// By how far the vertices go where their own motion is scaled down to nothing [m]: of a zone that nothing carries by
+  /// `base`. Else with its carrier: the first, or where carriers move apart, bent so that what touches each of them
+  /// goes with it.
   ///
   /// @param targets   (n_contact_vertices) end of the step as the solver left it [m]
-  /// @param stands    what nothing carries does not move, and each vertex follows the place of a key-framed collider
-  ///                  that is nearest to it, in place of the rigid motion nearest to that of all
+  /// @param base      but for kRigid, each vertex follows the place of a key-framed collider that is nearest to it, in
+  ///                  place of the rigid motion nearest to that of all
   /// @param may_bend  else the first carrier counts
   std::vector<Vec3> base_ways(const Model& model, const Step& step, const Carriers& carriers,
-                              std::span<const Vec3> targets, bool stands, bool may_bend) const;
+                              std::span<const Vec3> targets, ZoneBase base, bool may_bend) const;
 
  private:
   struct Leader {

@@ -18,9 +18,9 @@ constexpr double kThinVolume = 0.02, kMinVolume = 0.002;
 /// Part of its relative motion that a zone with a collapsing element keeps in the first rounds.
 constexpr double kCollapseShare = 0.6;
 /// Rounds in which a zone's motion is scaled by its first impact; then by kLaterShare; then nothing but its base motion
-/// is left; then nothing at all.
-constexpr int kImpactRounds = 2, kScaledRounds = 4, kBaseRounds = 7;
-constexpr double kStands = -1, kStandsAlways = -2;
+/// is left; of that the shift alone, with which a zone of a body in flight flies on; then nothing at all.
+constexpr int kImpactRounds = 2, kScaledRounds = 4, kBaseRounds = 7, kDriftRounds = 30;
+constexpr double kDrifts = -1, kStands = -2, kStandsAlways = -3;
 /// Rounds in which a zone is bent between carriers that move apart, or fewer if a round changes nothing. Later the
 /// first of them carries it: the rounds end, and where there is no room the others get in a little, but no element
 /// inverts.
@@ -199,7 +199,7 @@ void StepGate::scale_zones(int round) {
     if (parents_[v] != v || times_[v] == 1) continue;
     if (shares_[v] >= 0)
       shares_[v] *= round < kImpactRounds ? std::min(times_[v], kImpactShare) : round < kScaledRounds ? kLaterShare : 0;
-    if (round >= kBaseRounds) shares_[v] = std::min(shares_[v], kStands);
+    if (round >= kBaseRounds) shares_[v] = std::min(shares_[v], round < kDriftRounds ? kDrifts : kStands);
     times_[v] = 1;
   }
 }
@@ -220,8 +220,11 @@ bool StepGate::move_zones(bool may_bend, const Step& step, const Carriers& carri
   }
   bool any_moved = false;
   for (const auto& [root, zone] : zones) {
-    const double share = std::max(shares_[root], 0.0);
-    const auto ways = zone.base_ways(model_, step, carriers, targets_, shares_[root] < 0, may_bend);
+    const double share_of_root = shares_[root], share = std::max(share_of_root, 0.0);
+    const ZoneBase base = share_of_root >= 0         ? ZoneBase::kRigid
+                          : share_of_root == kDrifts ? ZoneBase::kDrifts
+                                                     : ZoneBase::kStands;
+    const auto ways = zone.base_ways(model_, step, carriers, targets_, base, may_bend);
     for (std::size_t i = 0; i < ways.size(); ++i) {
       const Index v = zone.vertices[i];
       if (!(vertices[v].inverse_mass > 0)) continue;
@@ -232,6 +235,16 @@ bool StepGate::move_zones(bool may_bend, const Step& step, const Carriers& carri
     }
   }
   return any_moved;
+}
+
+/// False: no zone drifts.
+bool StepGate::stop_drifting() {
+  bool any = false;
+  for (const Index v : members_) {
+    any |= shares_[v] == kDrifts;
+    if (shares_[v] == kDrifts) shares_[v] = kStands;
+  }
+  return any;
 }
 
 /// Lets zones in which something meets, or that enter colliders, stand always. False: all do already.
@@ -285,6 +298,8 @@ GateStatistics StepGate::hold_back(ContactFinder& finder, const Step& step, cons
     scale_zones(round);
     may_bend &= round < kBentRounds;
     bool any_moved = move_zones(may_bend, step, carriers, vertices);
+    if (!any_moved && round > kBaseRounds && stop_drifting())
+      any_moved = move_zones(may_bend, step, carriers, vertices);
     if (!any_moved && round > kBaseRounds) {
       may_bend &= is_strict_;
       if (!is_strict_ || stop_carried_zones(finder.surface()))
@@ -297,7 +312,7 @@ GateStatistics StepGate::hold_back(ContactFinder& finder, const Step& step, cons
   }
   report_left(finder.surface(), statistics);
   entries_.clear();
-  for (const Index v : members_) links_.push_back({v, root_of(v)});
+  for (const Index v : members_) links_.push_back({v, shares_[root_of(v)] <= kStands ? kNone : root_of(v)});
   for (const ZoneTouch& touch : touches_) links_.push_back({touch.vertices[0], kNone});
   for (const Index v : members_) {
     statistics.held_back_vertices += position(vertices[v]) != targets_[v];

@@ -19,7 +19,7 @@ struct GateStatistics {
   std::array<Index, 4> left{kNone, kNone, kNone, kNone};
 };
 
-/// A vertex that has been held back together with another one, or by a collider: kNone.
+/// A vertex that has been held back together with another one; kNone: with a collider, or it stands.
 struct ZoneLink {
   Index vertex, other;
 };
@@ -35,8 +35,9 @@ struct ZoneLink {
 /// A key-framed collider carries a zone by the rigid motion nearest to that of its surface around; in the last rounds
 /// each vertex by that of the place nearest to it. What several carriers with different motions touch is bent between
 /// them.
-/// Zones that meet others are merged. In the last rounds a zone stands still, or moves with what carries it; the rounds
-/// end when nothing meets, or a round changes nothing. They do end: zones only grow, and there are only so many.
+/// Zones that meet others are merged. In later rounds the base motion is the shift alone that keeps the zone's
+/// momentum, in the last ones none, or that of what carries the zone; the rounds end when nothing meets, or a round
+/// changes nothing. They do end: zones only grow, and there are only so many.
 ///
 /// Exact: what meets is decided by ContinuousCollisionFinder. Vertices that penetrate at the start of the step, or
 /// belong to an inverted element, are left to contacts. The same bits for any number of threads.
@@ -71,6 +72,7 @@ class StepGate {
                        std::span<const StepVertex> positions);
   void touch(std::span<const Index> vertices, std::span<const double> weights, const Step& step,
              const Carriers& carriers, std::span<const StepVertex> positions);
+  bool stop_drifting();
   bool stop_carried_zones(const TriangleMesh& surface);
   void report_left(const TriangleMesh& surface, GateStatistics& statistics) const;
   void join(std::span<const Index> vertices, double time);
@@ -92,7 +94,7 @@ class StepGate {
   std::vector<Vec3> targets_;       ///< (n_vertices) end of the step as the solver left it
   std::vector<Index> parents_;      ///< (n_vertices) of the union-find over vertices in zones; kNone: in none
   std::vector<double> shares_;      ///< (n_vertices) of a root: the part of its zone's relative motion that is kept;
-                                    ///< kStands: it stands but for what carries it; kStandsAlways: it stands
+                                    ///< kDrifts, kStands: as ZoneBase; kStandsAlways: nothing carries it
   std::vector<double> times_;       ///< (n_vertices) of a root: the first impact in this round; 1: none
   std::vector<Index> members_;      ///< vertices in zones
   std::vector<ZoneTouch> touches_;  ///< of zones by what carries them
