@@ -61,6 +61,29 @@ TEST(FreeMomentum, IsKeptWhereBodiesMeetByEachSolverAndMode) {
   expect_kept<NewtonSolver>(NewtonOptions{});
 }
 
+/// So fast that all of both is held back: relative to one another, not where they are.
+TEST(FreeMomentum, LetsBodiesThatAreHeldBackFlyOn) {
+  const IndexedMesh ball = make_ball(0.25, 0.07);
+  for (const double speed : {15.0, 60.0}) {
+    const Model model = make(std::vector<IndexedMesh>{ball, moved(ball, {0.7, 0.1, 0.05})}, neo_hookean(1e5, 0.4));
+    State state = make_state(model, model.rest_positions);
+    for (Index v = 0; v < model.mesh.vertex_count(); ++v)
+      state.velocities[v] = Vec3(v < model.bodies[0].vertex_count ? speed : -speed, 40, 0);
+    XpbdOptions options;
+    options.gravity.setZero();
+    XpbdSolver solver(model, state, {}, {}, options);
+    const Vec3 start = centre(model, state);
+    std::int64_t held = 0;
+    for (int i = 0; i < 30; ++i) {
+      solver.step(state);
+      held += solver.statistics().held_back_vertices;
+    }
+    EXPECT_GT(held, 100);
+    EXPECT_LT((centre(model, state) - start - Vec3(0, 4, 0)).norm(), 1e-6) << speed;
+    EXPECT_EQ(inverted_elements(model, state), 0);
+  }
+}
+
 /// Apart from one another each piece keeps its own; together they keep their sum.
 TEST(FreeMomentum, GoesWithinGroupsOnly) {
   const MeetingBoxes boxes;
