@@ -23,12 +23,15 @@ double load_of(const Body& body, const Model& model) {
 
 }  // namespace
 
-int default_substeps(const Model& model, SolverKind solver) {
+int default_substeps(const Model& model, SolverKind solver, double frame_length, double max_speed) {
   if (solver != SolverKind::kXpbd) return kSubsteps;
-  constexpr double kSameDensities = 5, kSameLoads = 167;
+  constexpr double kSameDensities = 5, kSameLoads = 167, kEdgesAStep = 0.5;
   double lightest = std::numeric_limits<double>::infinity(), heaviest = 0, load = 0;
   double sheet = std::numeric_limits<double>::infinity();
+  double edges = 0;  // that a body flies past in a frame
   for (const Body& body : model.bodies) {
+    const double speed = std::min(body.initial_velocity.norm(), max_speed);
+    edges = std::max(edges, speed * frame_length / mean_edge_of(model, body));
     if (body.is_cloth()) {
       sheet = std::min(sheet, body.cloth.density);
       continue;
@@ -41,7 +44,7 @@ int default_substeps(const Model& model, SolverKind solver) {
   const double for_densities =
       (cloth ? kClothSubsteps : kSubsteps) * std::sqrt(std::max(heaviest / lightest / kSameDensities, 1.0));
   const double for_loads = cloth ? kClothSubsteps * std::sqrt(load / sheet / kSameLoads) : 0;
-  return static_cast<int>(std::min(std::ceil(std::max(for_densities, for_loads)), kMaxSubsteps));
+  return static_cast<int>(std::min(std::ceil(std::max({for_densities, for_loads, edges / kEdgesAStep})), kMaxSubsteps));
 }
 
 }  // namespace selvage

@@ -317,5 +317,23 @@ TEST(SceneRuns, ATangledBallIsFreeWithinEightFrames) {
   EXPECT_EQ(end.inverted, 0);
 }
 
+/// In steps in which it flies past a whole edge it would be held back all at once, and stop dead.
+TEST(SceneRuns, ABallThatIsThrownDownSpringsBack) {
+  const std::string text = R"({"selvage_scene": 1, "bodies": [
+    {"mesh": {"shape": "ball", "radius": 0.25, "cell": 0.07}, "translate": [0, 0, 1.5], "velocity": [0, 0, -20],
+     "material": {"youngs_modulus": 1e6, "poisson_ratio": 0.4, "density": 1000}}],
+    "colliders": [{"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}])";
+  Play play(parse_scene(text + "}", "scene.json"));
+  const double edge = mean_edge_of(play.scene().model, play.scene().model.bodies[0]);
+  EXPECT_EQ(play.scene().substeps, std::ceil(20.0 / 60 / (0.5 * edge)));
+  EXPECT_EQ(parse_scene(text + R"(, "max_speed": 1})", "scene.json").substeps, 5);
+  EXPECT_EQ(parse_scene(text + R"(, "solver": "vbd"})", "scene.json").substeps, 5);
+  EXPECT_EQ(parse_scene(text + R"(, "frames_per_second": 240})", "scene.json").substeps, 5);
+  play.run_frames(4);
+  const double low = play.middle_of(0)[2];
+  play.run_frames(8);
+  EXPECT_GT(play.middle_of(0)[2], low + 0.5);  // at 5 m/s or more
+}
+
 }  // namespace
 }  // namespace selvage
