@@ -30,7 +30,7 @@ struct StepOptions {
   double velocity_damping = 0;   ///< of all motion, as in a fluid [1/s]
   /// Of all motion but the rigid one of each connected piece: what swings comes to rest, and falls as without [1/s].
   double deformation_damping = 0;
-  /// A body sleeps, held still as if pinned, once all but a hundredth of its mass has moved slower than this part of
+  /// A body sleeps, held still as if pinned, once all but 2% of its mass has moved slower than this part of
   /// the speed of a fall through its own size, for half a second, without penetrating, and so has all that is near it.
   /// What comes near and moves, a collider or handle that moves, a velocity and external forces wake it. Bodies near
   /// one another that are nearly so slow are damped before, but for what velocity they have in common. 0: nothing

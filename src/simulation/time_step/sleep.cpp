@@ -18,7 +18,7 @@ constexpr double kSettleTime = 0.1, kSleepTime = 0.5;
 /// velocity [1/s].
 constexpr double kSettlingSpeeds = 6, kSettlingDamping = 5;
 /// Part of a body's mass that may tremble: the pressed rim of a body does while the rest stands.
-constexpr double kTremblingPart = 0.01;
+constexpr double kTremblingPart = 0.02;
 /// Part of a body's size by which its box is larger on all sides.
 constexpr double kGapPart = 0.01;
 

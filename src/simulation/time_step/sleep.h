@@ -8,9 +8,9 @@ namespace selvage {
 /// Bodies that stand still until something reaches them. Contacts that are solved step by step leave a heap trembling;
 /// so what has come to rest is held.
 ///
-/// A body is slow where all but a hundredth of its mass moves slower than a part of the speed of a fall through its own
-/// size, and none of its vertices penetrates. Bodies whose boxes overlap are near one another. Those that are near, and
-/// those near these, are a group. A group that is slow for half a second sleeps: its vertices keep their places, as if
+/// A body is slow where all but 2% of its mass moves slower than a part of the speed of a fall through its own size,
+/// and none of its vertices penetrates. Bodies whose boxes overlap are near one another. Those that are near, and those
+/// near these, are a group. A group that is slow for half a second sleeps: its vertices keep their places, as if
 /// pinned, and have no velocity. It wakes as a whole where one that is not slow comes near. A body wakes where a
 /// collider that moves comes near it, a handle of it moves or is released, or it is given a velocity. Before it sleeps,
 /// a group of several bodies settles: while it is nearly slow, it is damped but for the velocity that all have in
