@@ -140,20 +140,13 @@ TEST(FreeMomentum, OfWhatIsPinnedOrPushedIsLeftToTheSolver) {
   EXPECT_NE(solved.velocities[other], turned.velocities[other]);
 }
 
-TEST(FreeMomentum, IsTheSameBitsForAnyNumberOfThreads) {
-  const auto run = [] {
+TEST(FreeMomentum, IsTheSameForAnyNumberOfThreads) {
+  test::same_for_any_threads([] {
     MeetingBoxes boxes;
     XpbdSolver solver(boxes.model, boxes.state, {}, {}, XpbdOptions{});
     for (int i = 0; i < 30; ++i) solver.step(boxes.state);
-    return boxes.state;
-  };
-  State one;
-  test::with_threads(1, [&] { one = run(); });
-  for (const int threads : {2, 4}) {
-    State other;
-    test::with_threads(threads, [&] { other = run(); });
-    EXPECT_TRUE(same_bits(one, other)) << threads;
-  }
+    return std::pair(boxes.state.positions, boxes.state.velocities);
+  });
 }
 
 TEST(MomentumSums, AddUpWhateverTheirOriginsAndFlights) {
