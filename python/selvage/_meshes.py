@@ -189,8 +189,7 @@ def make(shape: str, *, pose: str | None = None, **options: Any) -> Mesh:
         itself, with no element inverted.
     **options
         Of the shape, lengths in metres: `cell` or `elements`, `size`, `length`, `radius`, `inner_radius`, `tentacles`,
-        `teeth`, `seed`, `slenderness`; of the pose: `axis`, `turns`, `angle`, `crossings`, `core`, `offset`. What is left out
-        has a default.
+        `teeth`, `seed`, `slenderness`; of the pose, those of `pose`. What is left out has a default.
 
     Returns
     -------
@@ -230,8 +229,8 @@ def pose(mesh: Any, name: str, **options: Any) -> Mesh:
     name : str
         One of `pose_names()`: twist, bend, fold, swirl, self-crossing, overlap.
     **options
-        Of the pose: `axis`, `turns`, `angle` [rad], `crossings`, `core`, `offset` [m]. What is left out has a default
-        that tangles.
+        Of the pose: `axis` ("x", "y", "z" or 0, 1, 2), `turns`, `angle` [rad], `crossings`, `core`, `offset` [m]. What is
+        left out has a default that tangles.
 
     Returns
     -------

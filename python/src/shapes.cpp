@@ -26,6 +26,18 @@ void take(const nb::dict& options, const char* name, std::optional<Vec3>& value)
   if (options.contains(name)) value = vector_of(options[name], name);
 }
 
+// 'x', 'y', 'z', or 0, 1, 2.
+void take_axis(const nb::dict& options, std::optional<int>& axis) {
+  std::string letter;
+  if (options.contains("axis") && nb::try_cast(options["axis"], letter)) {
+    if (letter != "x" && letter != "y" && letter != "z")
+      throw Error("axis", "'" + letter + "' is not an axis", "use x, y or z");
+    axis = letter[0] - 'x';
+  } else {
+    take(options, "axis", axis);
+  }
+}
+
 ShapeOptions shape_options(const nb::dict& options) {
   ShapeOptions result;
   take(options, "cell", result.cell);
@@ -43,7 +55,7 @@ ShapeOptions shape_options(const nb::dict& options) {
 
 PoseOptions pose_options(const nb::dict& options) {
   PoseOptions result;
-  take(options, "axis", result.axis);
+  take_axis(options, result.axis);
   take(options, "turns", result.turns);
   take(options, "angle", result.angle);
   take(options, "crossings", result.crossings);

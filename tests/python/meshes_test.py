@@ -71,6 +71,13 @@ def test_every_shape_and_pose():
     assert selvage.make("box", size=[1, 2, 3], cell=1).V.max(axis=0).tolist() == [1, 2, 3]
 
 
+def test_an_axis_by_letter_or_number(rod):
+    for number, letter in enumerate("xyz"):
+        turned = selvage.pose(rod, "twist", axis=letter, turns=0.1, crossings=0)
+        assert (turned.V == selvage.pose(rod, "twist", axis=number, turns=0.1, crossings=0).V).all()
+        assert (turned.V[:, number] == rod.V[:, number]).all()
+
+
 @pytest.mark.parametrize(
     ("options", "said"),
     [
@@ -82,6 +89,8 @@ def test_every_shape_and_pose():
         ({"shape": "ball", "cell": -1}, "cell|must"),
         ({"shape": "box", "size": [1, 2]}, "size"),
         ({"shape": "beam", "pose": "curl"}, "curl"),
+        ({"shape": "beam", "pose": "bend", "axis": "w"}, "use x, y or z"),
+        ({"shape": "beam", "pose": "bend", "axis": "xy"}, "use x, y or z"),
     ],
 )
 def test_impossible_shapes(options, said):
