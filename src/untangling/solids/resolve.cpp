@@ -2,7 +2,6 @@
 
 #include "elasticity/neo_hookean.h"
 #include "elasticity/simplex_element.h"
-#include "mesh/find_inverted.h"
 #include "selvage/core/error.h"
 #include "untangling/solids/held_elements.h"
 #include "untangling/solids/posed_rest.h"
@@ -60,6 +59,18 @@ void check_options(const TetMesh& mesh, const ResolveOptions& options) {
                   fmt::format("vertices lie in [0, {})", mesh.vertex_count()));
 }
 
+/// Shapes that the mesh is at rest in while it is untangled, in the order in which they are tried.
+enum class Attempt {
+  kPose,   ///< the pose, with the given rest near the tangle
+  kRest,   ///< the given rest: some tangles open only where the mesh stands up; then it is bent back
+  kInput,  ///< the input: a given rest may drive the tangle ever deeper, as one that is much larger does
+};
+
+Attempt first_attempt(const ResolveOptions& options) {
+  if (options.rest_positions.empty()) return Attempt::kInput;
+  return options.keep_pose ? Attempt::kPose : Attempt::kRest;
+}
+
 /// The shape that is without stress.
 std::vector<Vec3> rest_of(const TetMesh& mesh, std::span<const Vec3> positions, const ResolveOptions& options) {
   if (options.rest_positions.empty()) return {positions.begin(), positions.end()};
@@ -77,15 +88,15 @@ class Resolver {
         rest_(rest_of(mesh, positions, options)),
         body_(std::in_place, mesh, positions, rest_, input_, options),
         tangle_(mesh, positions),
-        has_pose_(options.keep_pose && !options.rest_positions.empty()) {}
+        attempt_(first_attempt(options)) {}
   ResolveReport run();
 
  private:
   ResolveIteration measure(int iteration);
   ResolveOutcome untangle(ResolveReport& report);
   void yield();
-  bool may_start_anew() const;
-  void start_anew(std::span<const Vec3> rest);
+  bool must_start_anew(const ResolveIteration& now, const ResolveIteration& first, int without_gain) const;
+  void start_anew(int iteration);
   void relax_to_rest(ResolveReport& report);
   void report_iteration(ResolveReport& report, const ResolveIteration& now) const;
   bool has_improved(const ResolveIteration& now);
@@ -113,7 +124,8 @@ class Resolver {
   TangleFinder tangle_;
   std::vector<Index> held_;
   bool has_yielded_ = false;
-  bool has_pose_ = false;  ///< the rest is that of the pose, and all may yet be let out of it
+  Attempt attempt_;
+  int begin_ = 0;  ///< the first iteration of the attempt
   Best best_;
 };
 
@@ -231,20 +243,26 @@ void Resolver::yield() {
   has_yielded_ = true;
 }
 
-/// Whether to begin again with the input as the rest shape. A given rest shape may drive the tangle ever deeper, as one
-/// that is much larger does.
-bool Resolver::may_start_anew() const {
-  return !has_yielded_ && !options_.keep_pose && !options_.rest_positions.empty() &&
-         find_inverted(mesh_, input_).empty();
+/// Whether the next attempt begins: this one gains nothing or lasts too long, or it leads deeper than the input was.
+/// How deep that was is known where nothing is inverted.
+bool Resolver::must_start_anew(const ResolveIteration& now, const ResolveIteration& first, int without_gain) const {
+  if (attempt_ == Attempt::kInput) return false;
+  const int iterations = now.iteration - begin_;
+  const bool is_upright = first.inverted_elements == 0;
+  if (is_upright && iterations >= kYield && now.penetrating_vertices > first.penetrating_vertices) return true;
+  if (attempt_ == Attempt::kPose) return iterations >= kPosedIterations || without_gain >= kYield;
+  return is_upright && without_gain >= kYield;
 }
 
-/// Begins again from the input with another shape at rest. The first is what the material comes to in the end.
-void Resolver::start_anew(std::span<const Vec3> rest) {
+/// Begins again from the input with the shape of the next attempt at rest. The first is what the material comes to in
+/// the end.
+void Resolver::start_anew(int iteration) {
+  attempt_ = attempt_ == Attempt::kPose ? Attempt::kRest : Attempt::kInput;
+  begin_ = iteration;
   positions_ = input_;
   best_ = {};
-  body_.emplace(mesh_, positions_, rest, input_, options_);
+  body_.emplace(mesh_, positions_, attempt_ == Attempt::kRest ? options_.rest_positions : input_, input_, options_);
   has_yielded_ = true;
-  has_pose_ = false;
 }
 
 ResolveOutcome Resolver::untangle(ResolveReport& report) {
@@ -260,13 +278,8 @@ ResolveOutcome Resolver::untangle(ResolveReport& report) {
     if (iteration >= options_.max_iterations) return ResolveOutcome::kGaveUp;
     const int waited = iteration - last_progress;
     if (waited >= options_.patience) return ResolveOutcome::kStuck;
-    if (iteration - last_better >= kYield && may_start_anew()) {
-      start_anew(input_);
-      continue;
-    }
-    // Some tangles open only where the mesh stands up; then it is bent back as far as nothing meets.
-    if (has_pose_ && (iteration >= kPosedIterations || iteration - last_better >= kYield)) {
-      start_anew(options_.rest_positions);
+    if (must_start_anew(now, report.iterations.front(), iteration - last_better)) {
+      start_anew(iteration);
       last_better = last_progress = iteration;
       continue;
     }
