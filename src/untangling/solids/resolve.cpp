@@ -96,7 +96,7 @@ class Resolver {
   ResolveOutcome untangle(ResolveReport& report);
   void yield();
   bool must_start_anew(const ResolveIteration& now, const ResolveIteration& first, int without_gain) const;
-  void start_anew(int iteration);
+  void start_anew();
   void relax_to_rest(ResolveReport& report);
   void report_iteration(ResolveReport& report, const ResolveIteration& now) const;
   bool has_improved(const ResolveIteration& now);
@@ -125,7 +125,6 @@ class Resolver {
   std::vector<Index> held_;
   bool has_yielded_ = false;
   Attempt attempt_;
-  int begin_ = 0;  ///< the first iteration of the attempt
   Best best_;
 };
 
@@ -243,22 +242,20 @@ void Resolver::yield() {
   has_yielded_ = true;
 }
 
-/// Whether the next attempt begins: this one gains nothing or lasts too long, or it leads deeper than the input was.
-/// How deep that was is known where nothing is inverted.
+/// Whether the next attempt begins: this one gains nothing, or to keep the pose takes too long or leads deeper than the
+/// input was. How deep that was is known where nothing is inverted.
 bool Resolver::must_start_anew(const ResolveIteration& now, const ResolveIteration& first, int without_gain) const {
   if (attempt_ == Attempt::kInput) return false;
-  const int iterations = now.iteration - begin_;
   const bool is_upright = first.inverted_elements == 0;
-  if (is_upright && iterations >= kYield && now.penetrating_vertices > first.penetrating_vertices) return true;
-  if (attempt_ == Attempt::kPose) return iterations >= kPosedIterations || without_gain >= kYield;
-  return is_upright && without_gain >= kYield;
+  if (attempt_ == Attempt::kRest) return is_upright && without_gain >= kYield;
+  return without_gain >= kYield || now.iteration >= kPosedIterations ||
+         (is_upright && now.iteration >= kYield && now.penetrating_vertices > first.penetrating_vertices);
 }
 
 /// Begins again from the input with the shape of the next attempt at rest. The first is what the material comes to in
 /// the end.
-void Resolver::start_anew(int iteration) {
+void Resolver::start_anew() {
   attempt_ = attempt_ == Attempt::kPose ? Attempt::kRest : Attempt::kInput;
-  begin_ = iteration;
   positions_ = input_;
   best_ = {};
   body_.emplace(mesh_, positions_, attempt_ == Attempt::kRest ? options_.rest_positions : input_, input_, options_);
@@ -279,7 +276,7 @@ ResolveOutcome Resolver::untangle(ResolveReport& report) {
     const int waited = iteration - last_progress;
     if (waited >= options_.patience) return ResolveOutcome::kStuck;
     if (must_start_anew(now, report.iterations.front(), iteration - last_better)) {
-      start_anew(iteration);
+      start_anew();
       last_better = last_progress = iteration;
       continue;
     }
