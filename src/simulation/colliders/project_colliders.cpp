@@ -123,9 +123,10 @@ struct MovingCollider {
   /// Whether a vertex is inside at the end of the step, or has passed, by more than a depth and more than it was.
   bool is_entered(const Step& step, Index v, double least_depth, const StepVertex& vertex) const {
     if (is_far(step, v, 0, vertex)) return false;
-    const Vec3 p = to_local(vertex), was = start_of(step, v);
     return std::visit(
         [&](const auto& shape) {
+          if (is_outside(shape, vertex)) return false;
+          const Vec3 p = to_local(vertex), was = start_of(step, v);
           const std::optional<Hit> hit = find_hit_on_way(shape, was, p);
           if (!hit || !(hit->depth > least_depth)) return false;
           const std::optional<Hit> before = find_hit(shape, was);

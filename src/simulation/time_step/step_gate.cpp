@@ -25,6 +25,9 @@ constexpr double kDrifts = -1, kStands = -2, kStandsAlways = -3;
 /// first of them carries it: the rounds end, and where there is no room the others get in a little, but no element
 /// inverts.
 constexpr int kBentRounds = 12;
+/// Where more than one in so many elements collapse or vertices enter colliders, a body has no room. It goes through
+/// many rounds: impacts, which take longest to find, are not looked for in these, and it bends only in the first ones.
+constexpr std::int64_t kCrushedShare = 20;
 /// Rounding of positions against sizes of elements: farther away than their ratio the sign of a volume means nothing.
 constexpr double kRounding = 0x1p-40;
 constexpr int kVertexRow = sizeof(StepVertex) / sizeof(double);
@@ -57,6 +60,7 @@ StepGate::StepGate(const Model& model, Index contact_vertex_count, bool is_stric
   const auto count = static_cast<std::size_t>(model.mesh.vertex_count());
   candidate_.resize(contact_vertex_count);
   parents_.assign(count, kNone);
+  entered_.assign(count, kNone);
   shares_.assign(count, 1);
   times_.assign(count, 1);
 }
@@ -105,6 +109,13 @@ void StepGate::find_collapsing_elements(const Step& step, std::span<const StepVe
     for (std::size_t e = n * kThinBatch; e < end; ++e)
       if (is_collapsing(static_cast<Index>(e), step, vertices)) collapsing_.push_back(static_cast<Index>(e));
   }
+}
+
+/// A guarantee asks for a way out as long as there may be one, and else for an end of the run.
+bool StepGate::is_crushed() const {
+  if (is_strict_) return false;
+  return kCrushedShare * std::ssize(collapsing_) > model_.mesh.element_count() ||
+         kCrushedShare * std::ssize(entries_) > model_.mesh.vertex_count();
 }
 
 Index StepGate::root_of(Index vertex) {
@@ -190,7 +201,10 @@ void StepGate::join_violations(const TriangleMesh& surface, const Step& step, co
   for (const Index e : collapsing_) join(model_.mesh.elements()[e], kCollapseShare);
   for (const auto& [vertex, collider] : entries_) {
     join(std::array{vertex}, kCollapseShare);
-    touches_.push_back(touch_of_vertex(vertex, carriers.of_collider(collider), step, carriers));
+    const Index carrier = carriers.of_collider(collider);
+    if (carrier == carriers.of_vertex[vertex] || carrier == entered_[vertex]) continue;  // it is a touch already
+    entered_[vertex] = carrier;
+    touches_.push_back(touch_of_vertex(vertex, carrier, step, carriers));
   }
 }
 
@@ -292,23 +306,26 @@ GateStatistics StepGate::hold_back(ContactFinder& finder, const Step& step, cons
   statistics.collapsing = std::ssize(collapsing_);
   targets_.resize(vertices.size());
   parallel_for(std::ssize(vertices), kGrain, [&](std::int64_t v) { targets_[v] = position(vertices[v]); });
+  bool are_impacts_known = true;
   for (bool may_bend = true; has_violations(); ++statistics.rounds) {
     const auto round = static_cast<int>(statistics.rounds);
     join_violations(finder.surface(), step, carriers, vertices);
     scale_zones(round);
-    may_bend &= round < kBentRounds;
+    may_bend &= round < kBentRounds && !(round > kScaledRounds && is_crushed());
     bool any_moved = move_zones(may_bend, step, carriers, vertices);
     if (!any_moved && round > kBaseRounds && stop_drifting())
       any_moved = move_zones(may_bend, step, carriers, vertices);
-    if (!any_moved && round > kBaseRounds) {
+    if (!any_moved && round > kBaseRounds && are_impacts_known) {
       may_bend &= is_strict_;
       if (!is_strict_ || stop_carried_zones(finder.surface()))
         any_moved = move_zones(may_bend, step, carriers, vertices);
       if (!any_moved) break;
     }
     find_collapsing_elements(step, vertices);
-    find_impacts(finder, vertices);
     find_entries(step, carriers, vertices);
+    are_impacts_known = !any_moved || !is_crushed();
+    impacts_ = {};
+    if (are_impacts_known) find_impacts(finder, vertices);
   }
   report_left(finder.surface(), statistics);
   entries_.clear();
@@ -316,7 +333,7 @@ GateStatistics StepGate::hold_back(ContactFinder& finder, const Step& step, cons
   for (const ZoneTouch& touch : touches_) links_.push_back({touch.vertices[0], kNone});
   for (const Index v : members_) {
     statistics.held_back_vertices += position(vertices[v]) != targets_[v];
-    parents_[v] = kNone;
+    parents_[v] = entered_[v] = kNone;
   }
   members_.clear();
   touches_.clear();

@@ -67,6 +67,7 @@ class StepGate {
   void find_collapsing_elements(const Step& step, std::span<const StepVertex> vertices);
   void find_impacts(ContactFinder& finder, std::span<const StepVertex> vertices);
   void find_entries(const Step& step, const Carriers& carriers, std::span<const StepVertex> vertices);
+  bool is_crushed() const;
   bool has_violations() const { return !impacts_.pairs.empty() || !collapsing_.empty() || !entries_.empty(); }
   void join_violations(const TriangleMesh& surface, const Step& step, const Carriers& carriers,
                        std::span<const StepVertex> positions);
@@ -93,6 +94,7 @@ class StepGate {
 
   std::vector<Vec3> targets_;       ///< (n_vertices) end of the step as the solver left it
   std::vector<Index> parents_;      ///< (n_vertices) of the union-find over vertices in zones; kNone: in none
+  std::vector<Index> entered_;      ///< (n_vertices) the carrier that a vertex was last found to enter; kNone: none
   std::vector<double> shares_;      ///< (n_vertices) of a root: the part of its zone's relative motion that is kept;
                                     ///< kDrifts, kStands: as ZoneBase; kStandsAlways: nothing carries it
   std::vector<double> times_;       ///< (n_vertices) of a root: the first impact in this round; 1: none
