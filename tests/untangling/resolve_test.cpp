@@ -177,6 +177,19 @@ TEST(Resolve, BeginsAgainFromTheInputWhereTheGivenRestShapeDrivesTheTangleDeeper
   }
 }
 
+// Smaller: the pose is given up first, then the rest.
+TEST(Resolve, BeginsAgainFromTheInputUntilOneAttemptComesFree) {
+  IndexedMesh mesh = make_shape("beam", {.elements = 3000});
+  ResolveOptions options;
+  options.keep_pose = true;
+  options.rest_positions = mesh.positions;
+  for (Vec3& p : options.rest_positions) p *= 5;
+  apply_pose(mesh, "fold");
+  const Resolved r = resolve(mesh, options);
+  expect_resolved(r);
+  EXPECT_EQ(count_starts(r), 3);
+}
+
 // Its two crossings are tight bends.
 TEST(Resolve, UncrossesAThickBar) {
   const Resolved r = resolve(posed("beam", 3000, "self-crossing"));

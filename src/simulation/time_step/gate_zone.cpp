@@ -52,7 +52,6 @@ void GateZone::add(const ZoneTouch& touch) {
   if (carrier_ == kNone || touch.carrier < carrier_) carrier_ = touch.carrier;
 }
 
-/// Whether carriers move apart where the zone touches them.
 bool GateZone::is_torn(const Step& step, const Carriers& carriers) const {
   return std::any_of(touches_.begin(), touches_.end(), [&](const ZoneTouch& touch) {
     if (touch.carrier == carrier_) return false;
@@ -110,8 +109,7 @@ std::vector<Vec3> GateZone::bent_ways(const Model& model, const Step& step, cons
 }
 
 std::vector<Vec3> GateZone::base_ways(const Model& model, const Step& step, const Carriers& carriers,
-                                      std::span<const Vec3> targets, ZoneBase base, bool may_bend) const {
-  if (may_bend && is_torn(step, carriers)) return bent_ways(model, step, carriers);
+                                      std::span<const Vec3> targets, ZoneBase base) const {
   std::vector<Vec3> ways;
   const auto carried = [&](Index v) { return carriers.way(carrier_, step, step.positions[v]); };
   RigidMotion motion;

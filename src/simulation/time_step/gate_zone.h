@@ -57,16 +57,20 @@ class GateZone {
 
   void add(const ZoneTouch& touch);
 
-  /// By how far the vertices go where their own motion is scaled down to nothing [m]: of a zone that nothing carries by
-  /// `base`. Else with its carrier: the first, or where carriers move apart, bent so that what touches each of them
-  /// goes with it.
+  /// Whether carriers move apart where the zone touches them.
+  bool is_torn(const Step& step, const Carriers& carriers) const;
+
+  /// By how far the vertices go where their own motion is scaled down to nothing [m]: with the first carrier, or where
+  /// nothing carries the zone by `base`.
   ///
-  /// @param targets   (n_contact_vertices) end of the step as the solver left it [m]
-  /// @param base      but for kRigid, each vertex follows the place of a key-framed collider that is nearest to it, in
-  ///                  place of the rigid motion nearest to that of all
-  /// @param may_bend  else the first carrier counts
+  /// @param targets  (n_contact_vertices) end of the step as the solver left it [m]
+  /// @param base     but for kRigid, each vertex follows the place of a key-framed collider that is nearest to it, in
+  ///                 place of the rigid motion nearest to that of all
   std::vector<Vec3> base_ways(const Model& model, const Step& step, const Carriers& carriers,
-                              std::span<const Vec3> targets, ZoneBase base, bool may_bend) const;
+                              std::span<const Vec3> targets, ZoneBase base) const;
+
+  /// The same for a zone that carriers tear, bent so that what touches each of them goes with it.
+  std::vector<Vec3> bent_ways(const Model& model, const Step& step, const Carriers& carriers) const;
 
  private:
   struct Leader {
@@ -74,9 +78,7 @@ class GateZone {
     double weight;
   };
 
-  bool is_torn(const Step& step, const Carriers& carriers) const;
   std::vector<Leader> leaders() const;
-  std::vector<Vec3> bent_ways(const Model& model, const Step& step, const Carriers& carriers) const;
 
   Index carrier_ = kNone;  ///< the least
   std::vector<ZoneTouch> touches_;

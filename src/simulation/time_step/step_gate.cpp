@@ -25,8 +25,9 @@ constexpr double kDrifts = -1, kStands = -2, kStandsAlways = -3;
 /// first of them carries it: the rounds end, and where there is no room the others get in a little, but no element
 /// inverts.
 constexpr int kBentRounds = 12;
-/// Where more than one in so many elements collapse or vertices enter colliders, a body has no room. It goes through
-/// many rounds: impacts, which take longest to find, are not looked for in these, and it bends only in the first ones.
+/// Where more than one in so many vertices would enter colliders, or elements between colliders that move apart would
+/// collapse, a body has no room. It goes through many rounds: impacts, which take longest to find, are not looked for
+/// in these, and it bends only in the first ones.
 constexpr std::int64_t kCrushedShare = 20;
 /// Rounding of positions against sizes of elements: farther away than their ratio the sign of a volume means nothing.
 constexpr double kRounding = 0x1p-40;
@@ -113,9 +114,8 @@ void StepGate::find_collapsing_elements(const Step& step, std::span<const StepVe
 
 /// A guarantee asks for a way out as long as there may be one, and else for an end of the run.
 bool StepGate::is_crushed() const {
-  if (is_strict_) return false;
-  return kCrushedShare * std::ssize(collapsing_) > model_.mesh.element_count() ||
-         kCrushedShare * std::ssize(entries_) > model_.mesh.vertex_count();
+  return !is_strict_ && (kCrushedShare * std::ssize(entries_) > model_.mesh.vertex_count() ||
+                         (is_any_torn_ && kCrushedShare * std::ssize(collapsing_) > model_.mesh.element_count()));
 }
 
 Index StepGate::root_of(Index vertex) {
@@ -238,7 +238,10 @@ bool StepGate::move_zones(bool may_bend, const Step& step, const Carriers& carri
     const ZoneBase base = share_of_root >= 0         ? ZoneBase::kRigid
                           : share_of_root == kDrifts ? ZoneBase::kDrifts
                                                      : ZoneBase::kStands;
-    const auto ways = zone.base_ways(model_, step, carriers, targets_, base, may_bend);
+    const bool bends = may_bend && zone.is_torn(step, carriers);
+    is_any_torn_ |= bends;
+    const auto ways =
+        bends ? zone.bent_ways(model_, step, carriers) : zone.base_ways(model_, step, carriers, targets_, base);
     for (std::size_t i = 0; i < ways.size(); ++i) {
       const Index v = zone.vertices[i];
       if (!(vertices[v].inverse_mass > 0)) continue;
@@ -307,6 +310,7 @@ GateStatistics StepGate::hold_back(ContactFinder& finder, const Step& step, cons
   targets_.resize(vertices.size());
   parallel_for(std::ssize(vertices), kGrain, [&](std::int64_t v) { targets_[v] = position(vertices[v]); });
   bool are_impacts_known = true;
+  is_any_torn_ = false;
   for (bool may_bend = true; has_violations(); ++statistics.rounds) {
     const auto round = static_cast<int>(statistics.rounds);
     join_violations(finder.surface(), step, carriers, vertices);

@@ -100,6 +100,7 @@ class StepGate {
   std::vector<double> times_;       ///< (n_vertices) of a root: the first impact in this round; 1: none
   std::vector<Index> members_;      ///< vertices in zones
   std::vector<ZoneTouch> touches_;  ///< of zones by what carries them
+  bool is_any_torn_ = false;        ///< a zone has been bent in this step
   std::vector<ZoneLink> links_;
 };
 

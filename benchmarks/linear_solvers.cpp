@@ -1,0 +1,233 @@
+// One linear system of a Newton step of a scene by our conjugate gradients and by the direct solvers of Debian: how
+// long each takes, and what it leaves. Needs the packages of [solvers] in packages.txt.
+#include "selvage/core/error.h"
+#include "selvage/scene/scene.h"
+#include "simulation/implicit/implicit_step.h"
+#include "simulation/newton/conjugate_gradients.h"
+
+#include <cblas.h>
+#include <dmumps_c.h>
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <CLI/CLI.hpp>
+#include <Eigen/CholmodSupport>
+#include <Eigen/SparseCholesky>
+#include <Eigen/SuperLUSupport>
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <limits>
+
+namespace selvage {
+namespace {
+
+using Matrix = Eigen::SparseMatrix<double>;
+
+struct System {
+  BlockMatrix blocks;
+  Matrix matrix;  ///< all of it
+  Eigen::VectorXd right;
+};
+
+Matrix expand(const BlockMatrix& blocks) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Index row = 0; row < blocks.row_count(); ++row)
+    for (std::int64_t i = blocks.first[row]; i < blocks.first[row + 1]; ++i)
+      for (int k = 0; k < 3; ++k)
+        for (int l = 0; l < 3; ++l)
+          entries.emplace_back(3 * row + k, 3 * blocks.columns[i] + l, blocks.blocks[i](k, l));
+  Matrix matrix(3 * blocks.row_count(), 3 * blocks.row_count());
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+/// The first system of the step after so many frames.
+System system_of(const Scene& scene, int frames) {
+  NewtonOptions options = scene.newton;
+  static_cast<StepOptions&>(options) = scene.options;
+  State state = scene.initial_state;
+  {
+    NewtonSolver solver(scene.model, state, scene.handles, scene.colliders, options);
+    for (int step = 0; step < frames * scene.substeps; ++step) solver.step(state);
+  }
+  System system;
+  ImplicitStep last(scene.model, state, scene.handles, scene.colliders, options);
+  last.step(state, {}, [&](IncrementalPotential& potential, bool, std::vector<Vec3>& x) {
+    if (system.right.size() > 0) return;
+    potential.renew_friction(x, true);
+    potential.assemble(x, false, system.right, system.blocks);
+    system.right = -system.right;
+  });
+  if (system.right.size() == 0) throw Error("scene", "all bodies sleep after these frames", "take fewer frames");
+  system.matrix = expand(system.blocks);
+  return system;
+}
+
+/// Seconds of the parts of a solution, which are comparable where a part is asked of all.
+struct Times {
+  double order = 0, factorize = 0, solve = 0;
+};
+
+struct Solution {
+  Times times;
+  std::int64_t iterations = 0;  ///< 0: solved directly
+  Eigen::VectorXd x;
+};
+
+template <typename Do>
+double seconds_of(Do&& act) {
+  const auto begin = std::chrono::steady_clock::now();
+  act();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+Solution by_gradients(const System& system, double tolerance) {
+  Solution solution;
+  ConjugateGradients gradients;
+  const auto solve = [&] { solution.iterations = gradients.solve(system.blocks, system.right, tolerance, solution.x); };
+  solution.times.solve = seconds_of(solve);
+  return solution;
+}
+
+/// @param matrix  what the solver asks for: all, or one triangle
+template <typename Solver>
+Solution by_eigen(Solver&& solver, const Matrix& matrix, const Eigen::VectorXd& right) {
+  Solution solution;
+  solution.times.order = seconds_of([&] { solver.analyzePattern(matrix); });
+  solution.times.factorize = seconds_of([&] { solver.factorize(matrix); });
+  solution.times.solve = seconds_of([&] { solution.x = solver.solve(right); });
+  return solution;
+}
+
+template <typename Solver>
+Solution by_lower_triangle(const System& system) {
+  const Matrix lower = system.matrix.triangularView<Eigen::Lower>();
+  return by_eigen(Solver(), lower, system.right);
+}
+
+/// Pivots on the diagonal, as for matrices that are nearly symmetric. It orders as it factorizes.
+Solution by_super_lu(const System& system) {
+  Eigen::SuperLU<Matrix> solver;
+  solver.options().SymmetricMode = YES;
+  solver.options().ColPerm = MMD_AT_PLUS_A;
+  solver.options().DiagPivotThresh = 0.001;
+  solver.options().IterRefine = NOREFINE;
+  return by_eigen(solver, system.matrix, system.right);
+}
+
+Solution by_mumps(const System& system) {
+  constexpr int kNoFortranCommunicator = -987654;
+  std::vector<int> rows, columns;
+  std::vector<double> values;
+  for (int column = 0; column < system.matrix.outerSize(); ++column)
+    for (Matrix::InnerIterator entry(system.matrix, column); entry; ++entry) {
+      if (entry.row() < column) continue;
+      rows.push_back(static_cast<int>(entry.row()) + 1);
+      columns.push_back(column + 1);
+      values.push_back(entry.value());
+    }
+  Solution solution;
+  solution.x = system.right;
+  DMUMPS_STRUC_C mumps{};
+  const auto run = [&mumps](int job) {
+    mumps.job = job;
+    dmumps_c(&mumps);
+  };
+  mumps.sym = 1;  // positive definite
+  mumps.par = 1;
+  mumps.comm_fortran = kNoFortranCommunicator;
+  run(-1);
+  for (int i = 0; i < 4; ++i) mumps.icntl[i] = i < 3 ? -1 : 0;  // no messages
+  mumps.n = static_cast<int>(system.matrix.rows());
+  mumps.nnz = static_cast<MUMPS_INT8>(values.size());
+  mumps.irn = rows.data();
+  mumps.jcn = columns.data();
+  mumps.a = values.data();
+  mumps.rhs = solution.x.data();
+  solution.times = {seconds_of([&] { run(1); }), seconds_of([&] { run(2); }), seconds_of([&] { run(3); })};
+  run(-2);
+  return solution;
+}
+
+struct Row {
+  const char* name;
+  double most_left;  ///< by the length of the right side: more is an error
+  std::function<Solution(const System&)> solve;
+};
+
+std::vector<Row> rows() {
+  using Eigen::Lower;
+  // Each answer is good to rounding times the condition of the matrix; the first two stop where they are told to.
+  constexpr double kDirect = 1e-6, kRoom = 1.01;
+  return {{"conjugate gradients, blocks of the diagonal, to 1e-3", kRoom * 1e-3,
+           [](const System& s) { return by_gradients(s, 1e-3); }},
+          {"the same, to 1e-6", kRoom * 1e-6, [](const System& s) { return by_gradients(s, 1e-6); }},
+          {"Eigen SimplicialLLT, AMD (MPL2)", kDirect, by_lower_triangle<Eigen::SimplicialLLT<Matrix, Lower>>},
+          {"Eigen SimplicialLDLT, AMD (MPL2)", kDirect, by_lower_triangle<Eigen::SimplicialLDLT<Matrix, Lower>>},
+          {"CHOLMOD simplicial (LGPL)", kDirect, by_lower_triangle<Eigen::CholmodSimplicialLLT<Matrix, Lower>>},
+          {"CHOLMOD supernodal (GPL)", kDirect, by_lower_triangle<Eigen::CholmodSupernodalLLT<Matrix, Lower>>},
+          {"SuperLU (BSD), symmetric mode", kDirect, by_super_lu},
+          {"MUMPS (CeCILL-C), sequential", kDirect, by_mumps}};
+}
+
+/// Of several times, each part by itself: they disturb one another least where each is least.
+Times least(const Times& a, const Times& b) {
+  return {std::min(a.order, b.order), std::min(a.factorize, b.factorize), std::min(a.solve, b.solve)};
+}
+
+void print_table(const System& system, int repetitions) {
+  fmt::print("| solver | iterations | order [ms] | factorise [ms] | solve [ms] | residual to right side |\n");
+  fmt::print("| --- | --- | --- | --- | --- | --- |\n");
+  for (const Row& row : rows()) {
+    Solution solution = row.solve(system);
+    for (int i = 1; i < repetitions; ++i) solution.times = least(solution.times, row.solve(system).times);
+    const double left = (system.right - system.matrix * solution.x).norm() / system.right.norm();
+    const auto& [order, factorize, solve] = solution.times;
+    fmt::print("| {} | {} | {:.1f} | {:.1f} | {:.1f} | {:.1e} |\n", row.name, solution.iterations, 1e3 * order,
+               1e3 * factorize, 1e3 * solve, left);
+    if (!(left <= row.most_left))
+      throw Error(row.name, fmt::format("leaves {:.2g} of the right side", left), "its matrix may be singular");
+  }
+}
+
+Scene read_newton_scene(const std::filesystem::path& file, const std::vector<std::string>& settings) {
+  Scene scene = read_scene(file, {}, settings);
+  if (scene.solver != SolverKind::kNewton)
+    throw Error(file.string(), "its solver has no linear systems", R"(give --set '/solver="newton"')");
+  return scene;
+}
+
+int run(int count, char** arguments) {
+  CLI::App app(
+      "One linear system of a Newton step by each solver, one thread.\n\n"
+      "Example: linear_solvers scenes/octopi_6_implicit.json --frames 57");
+  std::filesystem::path file;
+  std::vector<std::string> settings;
+  int frames = 0, repetitions = 3;
+  app.add_option("scene", file, "whose solver is newton")->required();
+  app.add_option("--frames", frames, "the system is that of the next step")->check(CLI::NonNegativeNumber);
+  app.add_option("--set", settings, "a value of the scene, as in selvage simulate");
+  app.add_option("--repetitions", repetitions, "the least time of them counts")->check(CLI::PositiveNumber);
+  CLI11_PARSE(app, count, arguments);
+  const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
+  openblas_set_num_threads(1);
+  const Scene scene = read_newton_scene(file, settings);
+  const System system = system_of(scene, frames);
+  fmt::print("{}, the step after frame {}: {} unknowns, {} numbers in the matrix, one thread\n\n", scene.name, frames,
+             system.matrix.rows(), system.matrix.nonZeros());
+  print_table(system, repetitions);
+  return 0;
+}
+
+}  // namespace
+}  // namespace selvage
+
+int main(int count, char** arguments) {
+  try {
+    return selvage::run(count, arguments);
+  } catch (const selvage::Error& error) {
+    fmt::print(stderr, "linear_solvers: {}\n", error.what());
+    return 1;
+  }
+}
