@@ -194,6 +194,23 @@ TEST_P(TangledPackets, FindThePathsOfPenetratingVerticesThatTheAlgorithmFindsAlo
   compare_penetrating(mesh.positions, mesh.tetrahedra, std::string(example.shape), tally);
 }
 
+// Hundreds of candidates are nearer than the answer, and blocked.
+TEST(PathsNearManyInvertedElements, AreThoseThatTheAlgorithmFindsAlone) {
+  IndexedMesh ball = make_ball(1, 0.09);
+  for (Vec3& x : ball.positions)
+    if (x.norm() < 0.5) x = -x;
+  const SearchedMesh<3> material(ball.positions, ball.tetrahedra);
+  std::vector<PathQuery<3>> queries;
+  for (Index e = 0; e < material.mesh().element_count(); e += 37) {
+    Vec3 middle = Vec3::Zero();
+    for (const Index v : ball.tetrahedra[e]) middle += 0.25 * ball.positions[v];
+    queries.push_back({middle, e});
+  }
+  Tally tally;
+  compare<3>(material, queries, "turned core", tally);
+  EXPECT_GT(tally.found, tally.compared / 2);
+}
+
 INSTANTIATE_TEST_SUITE_P(Families, PlanarPackets, testing::Range<std::size_t>(0, families::planar_families().size()),
                          families::family_name<2>);
 INSTANTIATE_TEST_SUITE_P(Families, SolidPackets, testing::Range<std::size_t>(0, families::solid_families().size()),

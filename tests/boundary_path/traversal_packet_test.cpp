@@ -1,4 +1,5 @@
 // A path that a packet finds must be one to the traversal that follows it alone and exactly, and few may be missed.
+// Searches near inverted elements must end together as each does alone.
 #include "boundary_path/packets/traversal_packet.h"
 #include "boundary_path/families/families.h"
 #include "boundary_path/injectivity/deformed_mesh.h"
@@ -117,6 +118,66 @@ TEST(TetTraversalPacket, FindsMostPathsAndNoOthersWhereTheMeshCrossesItself) {
   EXPECT_GT(static_cast<double>(tally.found), 0.8 * static_cast<double>(tally.paths));
   EXPECT_GT(tally.others, 10);
   EXPECT_GT(static_cast<double>(tally.blocked), 0.5 * static_cast<double>(tally.others));
+}
+
+/// Forty candidates, which is more than there are lanes, of one query. From the middle of an element of a lattice many
+/// lines run through edges and vertices.
+void compare_backward_searches(const Material& material, test::Random& random, Tally& tally) {
+  const PathInput<3>& input = material.input();
+  PathQuery<3> query = random_query(material, random);
+  if (random.below(2) == 0) {
+    query.point.setZero();
+    for (Index v : input.elements[query.element].vertices) query.point += 0.25 * input.positions[v];
+  }
+  const CandidateFactory<3> factory(input, query.point);
+  std::vector<Candidate<3>> candidates;
+  while (candidates.size() < 40) {
+    const Index face = random.below(material.mesh().boundary_faces().size());
+    candidates.push_back(factory.make(face, factory.estimate(face)));
+  }
+  std::array<bool, 40> are_valid;
+  PathCounters together, alone;
+  TetTraversal<3>(input, query, true, &together).follow_backwards(candidates, are_valid.data());
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const KernelVector<Index> goals{query.element};
+    BackwardSearch<3> search(input, query.point, candidates[i], goals, &alone);
+    bool goes_on = search.find_line();
+    while (goes_on) goes_on = search.advance();
+    ASSERT_EQ(search.has_arrived(), are_valid[i]) << "element " << query.element << ", face " << candidates[i].face;
+    ++(are_valid[i] ? tally.found : tally.blocked);
+  }
+  ASSERT_EQ(together.traversals, alone.traversals);
+  ASSERT_EQ(together.elements_visited, alone.elements_visited);
+  ASSERT_EQ(together.exact_decisions, alone.exact_decisions);
+}
+
+Tally compare_many_backward_searches(const Material& material, std::int64_t queries) {
+  test::Random random(test::seed(8));
+  Tally tally;
+  for (std::int64_t i = 0; i < test::scaled(queries) && !testing::Test::HasFatalFailure(); ++i)
+    compare_backward_searches(material, random, tally);
+  return tally;
+}
+
+TEST(LinePacket, EndsSearchesAsTheyEndAlone) {
+  std::int64_t found = 0, blocked = 0;
+  for (const auto& family : families::solid_families()) {
+    SCOPED_TRACE(family.name);
+    const Tally tally = compare_many_backward_searches(Material(family.mesh.positions, family.mesh.elements), 20);
+    found += tally.found;
+    blocked += tally.blocked;
+  }
+  EXPECT_GT(found, 1000);
+  EXPECT_GT(blocked, 1000);
+}
+
+TEST(LinePacket, EndsSearchesAsTheyEndAloneNearManyInvertedElements) {
+  IndexedMesh ball = make_ball(1, 0.1);
+  for (Vec3& x : ball.positions)
+    if (x.norm() < 0.5) x = -x;
+  const Tally tally = compare_many_backward_searches(Material(ball.positions, ball.tetrahedra), 300);
+  EXPECT_GT(tally.found, 100);
+  EXPECT_GT(tally.blocked, 1000);
 }
 
 TEST(TetTraversalPacket, FindsNoOthersOnALattice) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "boundary_path/search/feasible_region.h"
+#include "boundary_path/search/feature_set.h"
 #include "boundary_path/search/path_order.h"
 #include "boundary_path/traversal/tet_traversal.h"
 
@@ -91,6 +92,9 @@ class LaneSearch {
   /// @param known   the candidate, where it has been computed
   void consider(Index face, unsigned feature, bool follow = false, const Candidate<D>* known = nullptr);
 
+  /// Tests what consider() has left to be tested together.
+  void test_waiting();
+
   /// The answer, once all faces have been considered that may be it.
   PathResult<D> finish();
 
@@ -118,6 +122,7 @@ class LaneSearch {
   void start_from(Index face);
   void start_anywhere();
   void test(const Candidate<D>& candidate);
+  void wait(const Candidate<D>& candidate);
   void test_touching(const Candidate<D>& candidate);
   void accept(const Candidate<D>& candidate);
   void keep(const Candidate<D>& candidate);
@@ -129,6 +134,8 @@ class LaneSearch {
   bool is_known(Index face, unsigned mask) const;
   bool was_dismissed(const VertexTuple<D>& ids) const;
   void dismiss(const Candidate<D>& candidate);
+  static VertexTuple<D> name_of_face(const Candidate<D>& candidate);
+  void block(const Candidate<D>& candidate);
   Index closer_neighbour(const Candidate<D>& candidate) const {
     return find_closer_neighbour(input_, point_, candidate);
   }
@@ -157,6 +164,14 @@ class LaneSearch {
   Index seen_[kRemembered];
   VertexTuple<D> dismissed_[kDismissed];
   int dismissed_count_ = 0;
+
+  // Where the rules for inverted elements hold, hundreds of candidates may be nearer than the answer, or none: more and
+  // more are followed together.
+  static constexpr std::size_t kFirstTogether = 1, kTogether = 32;
+  std::size_t together_ = kFirstTogether;
+  KernelVector<Candidate<D>> waiting_;  ///< to be followed together
+  KernelVector<Candidate<D>> twins_;    ///< in the feature of one that waits, but on another face
+  FeatureSet<D> blocked_;               ///< features, and faces, to which there are no paths
 };
 
 template <int D>
@@ -173,6 +188,7 @@ void LaneSearch<D>::start_from(Index face) {
   for (int step = 0; step < kMaxSteps && face != kNone; ++step) {
     left_through_ = kNone;
     consider(face, 0, true);
+    test_waiting();
     face = left_through_;
   }
 }
@@ -185,6 +201,7 @@ void LaneSearch<D>::limit_to(double squared_distance) {
 
 template <int D>
 bool LaneSearch<D>::lift_limit() {
+  test_waiting();
   limit_squared_ = kInfinity;
   if (best_squared_ < kInfinity) return true;
   for (Index& slot : seen_) slot = kNone;
@@ -225,6 +242,8 @@ void LaneSearch<D>::test_target(SegmentState state, int elements_visited) {
 
 template <int D>
 bool LaneSearch<D>::start() {
+  test_waiting();
+  together_ = kFirstTogether;
   start_from(left_through_);
   if (squared_distance_to_hint() < squared_bound()) start_from(input_.hints[query_.element]);
   if (best_squared_ == kInfinity) start_anywhere();
@@ -252,6 +271,7 @@ void LaneSearch<D>::start_anywhere() {
         return best_squared_ == kInfinity ? round_up(squared_bound()) : -1.0f;
       },
       volumes);
+  test_waiting();
   if (counters_ != nullptr) counters_->volumes_visited += volumes;
 }
 

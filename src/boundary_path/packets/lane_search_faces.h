@@ -68,8 +68,8 @@ bool LaneSearch<D>::is_known(Index face, unsigned mask) const {
 template <int D>
 bool LaneSearch<D>::was_dismissed(const VertexTuple<D>& ids) const {
   for (int i = 0; i < std::min(dismissed_count_, kDismissed); ++i)
-    if (dismissed_[i] == ids) return true;
-  return false;
+    if (is_same<D>(dismissed_[i], ids)) return true;
+  return blocked_.contains(ids);
 }
 
 /// The feature is not that of the answer, through whatever face it is found: also by the rules for inverted elements,
@@ -93,14 +93,11 @@ void LaneSearch<D>::test(const Candidate<D>& candidate) {
     target_ = candidate;
     return;
   }
+  if (follows_inverted_rules(candidate)) return wait(candidate);
   const TetTraversal<D> traversal(input_, query_, point_.is_strictly_inside(), counters_);
   const double distance = std::sqrt(candidate.squared_distance);
-  TraversalResult result;
-  if (follows_inverted_rules(candidate))
-    result.valid = traversal.follow_backwards(candidate);
-  else
-    result = traversal.follow(candidate,
-                              point_.component_state() == ComponentState::kImmersed && squared_bound() == kInfinity);
+  const TraversalResult result = traversal.follow(
+      candidate, point_.component_state() == ComponentState::kImmersed && squared_bound() == kInfinity);
   if (result.valid) return accept(candidate);
   dismiss(candidate);
   const double length = distance * (result.left_at + kLeftAtError) * kBoundSlack;
@@ -109,6 +106,53 @@ void LaneSearch<D>::test(const Candidate<D>& candidate) {
   left_through_ = result.left_through;
   known_squared_ = std::min(known_squared_, length * length);
   reject_above_ = std::sqrt(squared_bound()) * kBoundSlack;
+}
+
+/// Leaves a candidate to be tested by the rules for inverted elements.
+template <int D>
+void LaneSearch<D>::wait(const Candidate<D>& candidate) {
+  if (blocked_.contains(name_of_face(candidate))) return;
+  if (candidate.target.count < D && !is_split(input_, candidate)) {
+    for (const Candidate<D>& other : waiting_)
+      if (is_same<D>(other.ids, candidate.ids)) return twins_.push_back(candidate);
+  }
+  prefetch(input_.elements + input_.boundary_owners[candidate.face].element());
+  waiting_.push_back(candidate);
+  if (waiting_.size() >= together_) test_waiting();
+}
+
+template <int D>
+void LaneSearch<D>::test_waiting() {
+  const TetTraversal<D> traversal(input_, query_, point_.is_strictly_inside(), counters_);
+  bool are_valid[kTogether];
+  while (!waiting_.empty()) {
+    traversal.follow_backwards({waiting_.data(), waiting_.size()}, are_valid);
+    for (std::size_t i = 0; i < waiting_.size(); ++i) {
+      if (!are_valid[i])
+        block(waiting_[i]);
+      else if (!is_worse(waiting_[i]))
+        accept(waiting_[i]);
+    }
+    waiting_.clear();
+    together_ = std::min(2 * together_, kTogether);
+    // What is blocked from one face is so from all: see dismiss(). Otherwise each face needs a path of its own.
+    for (; !twins_.empty() && waiting_.size() < kTogether; twins_.pop_back())
+      if (!was_dismissed(twins_.back().ids) && !is_worse(twins_.back())) waiting_.push_back(twins_.back());
+  }
+}
+
+/// The face as a name in blocked_: no feature has it.
+template <int D>
+VertexTuple<D> LaneSearch<D>::name_of_face(const Candidate<D>& candidate) {
+  VertexTuple<D> name;
+  name.fill(kNone);
+  name[D - 1] = candidate.face;
+  return name;
+}
+
+template <int D>
+void LaneSearch<D>::block(const Candidate<D>& candidate) {
+  blocked_.insert(candidate.target.count == D || is_split(input_, candidate) ? name_of_face(candidate) : candidate.ids);
 }
 
 template <int D>

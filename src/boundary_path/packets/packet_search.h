@@ -344,6 +344,8 @@ void PacketSearch<D>::decide(int lane) {
     searches_[lane].consider(next.face, next.feature);
     take_bound(lane);
   }
+  searches_[lane].test_waiting();
+  take_bound(lane);
 }
 
 }  // namespace SELVAGE_ISA

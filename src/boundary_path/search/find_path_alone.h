@@ -13,7 +13,11 @@ bool is_path(const PathInput<D>& input, const QueryPoint<D>& p, const Candidate<
   const TetTraversal<D> traversal(input, p.query(), p.is_strictly_inside(), nullptr);
   // p itself is the candidate: only a penetrating vertex or edge may end where it is.
   if (is_zero(candidate.offset)) return p.query().source[0] != kNone && traversal.is_on(candidate.face);
-  if (p.follows_inverted_rules(candidate.squared_distance)) return traversal.follow_backwards(candidate);
+  if (p.follows_inverted_rules(candidate.squared_distance)) {
+    bool is_valid = false;
+    traversal.follow_backwards({&candidate, 1}, &is_valid);
+    return is_valid;
+  }
   return traversal.follow(candidate, false).valid;
 }
 

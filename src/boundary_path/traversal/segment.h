@@ -116,19 +116,42 @@ class Segment {
     end_ = candidate.offset[axis_];
     sign_ = (end_ < 0 ? -1.0 : 1.0) * (D == 2 && axis_ == 1 ? -1.0 : 1.0);
     forward_ = end_ < 0 ? -1.0 : 1.0;
+    const double length = std::abs(end_), farthest = 3 * length;
+    const double error = 4 * (candidate.offset_error + 4 * kUnitRoundoff * farthest) + kTrustAbove;
+    backmost_ = error - length;
+    foremost_ = farthest - error;
+  }
+
+  /// What to_ray_space() and the tests below go by, for those who do the same for several segments at once.
+  struct RaySpace {
+    double across[D - 1][D] = {}, along[D] = {};  ///< a vertex relative to p is multiplied by these
+    double sign, forward, shear_error, backmost, foremost;
+  };
+  RaySpace ray_space() const {
+    RaySpace space;
+    space.along[axis_] = 1;
+    for (int k = 0; k < D - 1; ++k) {
+      space.across[k][other_[k]] = 1;
+      space.across[k][axis_] = -shear_[k];
+    }
+    space.sign = sign_;
+    space.forward = forward_;
+    space.shear_error = shear_error_;
+    space.backmost = backmost_;
+    space.foremost = foremost_;
+    return space;
   }
 
   RaySpaceVertex to_ray_space(Index vertex) const {
     const Vec<D>& x = input_.positions[vertex];
-    double relative[D];
     RaySpaceVertex s;
-    s.reach = 0;
-    for (int i = 0; i < D; ++i) {
-      relative[i] = x[i] - p_[i];
-      s.reach = std::max(s.reach, std::abs(relative[i]));
+    s.along = x[axis_] - p_[axis_];
+    s.reach = std::abs(s.along);
+    for (int k = 0; k < D - 1; ++k) {
+      const double relative = x[other_[k]] - p_[other_[k]];
+      s.reach = std::max(s.reach, std::abs(relative));
+      s.across[k] = relative - shear_[k] * s.along;
     }
-    s.along = relative[axis_];
-    for (int k = 0; k < D - 1; ++k) s.across[k] = relative[other_[k]] - shear_[k] * s.along;
     s.vertex = vertex;
     return s;
   }
@@ -139,11 +162,12 @@ class Segment {
     return a.across[0] * b.across[1] - a.across[1] * b.across[0];
   }
 
+  /// The sign of a value where it is certain, else 0. Without a branch: it would be unpredictable.
+  static int clear_sign(double value, double error) { return int{value > error} - int{value < -error}; }
+
   /// The sign of det(s - p, a - p, b - p) where it is certain at a glance, else 0.
   int clear_side(const RaySpaceVertex& a, const RaySpaceVertex& b) const requires(D == 3) {
-    const double value = area(a, b);
-    if (!(std::abs(value) > shear_error_ * a.reach * b.reach + kTrustAbove)) return 0;
-    return sign_ * value > 0 ? 1 : -1;
+    return clear_sign(sign_ * area(a, b), shear_error_ * a.reach * b.reach + kTrustAbove);
   }
 
   /// Exact sign of det(s - p, a - p, b - p).
@@ -156,9 +180,7 @@ class Segment {
 
   /// The same of det(s - p, a - p).
   int clear_side(const RaySpaceVertex& a) const requires(D == 2) {
-    const double value = a.across[0];
-    if (!(std::abs(value) > shear_error_ * a.reach + kTrustAbove)) return 0;
-    return sign_ * value > 0 ? 1 : -1;
+    return clear_sign(sign_ * a.across[0], shear_error_ * a.reach + kTrustAbove);
   }
 
   /// Exact sign of det(s - p, a - p).
@@ -220,15 +242,10 @@ class Segment {
 
   /// The same as within_reach() where it is certain on the coordinates of the face's vertices.
   bool is_clearly_within_reach(const RaySpaceVertex (&face)[D]) const {
-    const double end = std::abs(end_);
-    double first = 0, last = 0, reach = end;
-    for (int i = 0; i < D; ++i) {
-      first = std::min(first, forward_ * face[i].along);
-      last = std::max(last, forward_ * face[i].along);
-      reach = std::max(reach, std::abs(face[i].along));
-    }
-    const double error = 4 * (candidate_.offset_error + 4 * kUnitRoundoff * reach) + kTrustAbove;
-    return first > error - end && last < 3 * end - error;
+    bool within = true;
+    for (int i = 0; i < D; ++i)
+      within &= (backmost_ < forward_ * face[i].along) & (forward_ * face[i].along < foremost_);
+    return within;
   }
 
   /// Whether the line crosses the face, which it passes through properly, no farther than 2 |p - s| from s. Exact.
@@ -264,6 +281,13 @@ class Segment {
     return D == 3 ? -exact_.side_of_end(points) : exact_.side_of_end(points);
   }
 
+  /// Whether s lies in a vertex or an edge of a face by construction.
+  bool ends_on_edge_of(const VertexTuple<D>& face) const {
+    for (int i = 0; i < candidate_.target.count; ++i)
+      if (!contains(face, candidate_.ids[i])) return false;
+    return candidate_.target.count < D;
+  }
+
   const ExactSegment<D>& exact() const { return exact_; }
   double length() const { return std::sqrt(candidate_.squared_distance); }
   void count_exact() const {
@@ -289,6 +313,7 @@ class Segment {
   double end_;          ///< `along` of s
   double sign_;         ///< turns the sign of a sheared determinant into that of the true one
   double forward_;
+  double backmost_, foremost_;  ///< bound `forward_ * along` of what is clearly within reach
 };
 
 }  // namespace SELVAGE_ISA

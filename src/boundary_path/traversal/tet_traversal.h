@@ -1,6 +1,6 @@
 #pragma once
 
-#include "boundary_path/traversal/segment.h"
+#include "boundary_path/traversal/line_packet.h"
 #include "selvage/geometry/predicates.h"
 
 namespace selvage {
@@ -13,32 +13,6 @@ struct TraversalResult {
   /// to within 1e-7: 0 at p, 1 at s.
   Index left_through = kNone;
   double left_at = 0;
-};
-
-/// Elements that were visited: the first ones in place, more in a growing list as a fail-safe (SPB supplement 1.2).
-class VisitedElements {
- public:
-  bool contains(Index element) const {
-    for (int i = 0; i < count_; ++i)
-      if (first_[i] == element) return true;
-    return SELVAGE_ISA::contains(more_, element);
-  }
-
-  /// Whether the element is new; it is visited from now on.
-  bool insert(Index element) {
-    if (contains(element)) return false;
-    if (count_ < kInPlace)
-      first_[count_++] = element;
-    else
-      more_.push_back(element);
-    return true;
-  }
-
- private:
-  static constexpr int kInPlace = 32;
-  Index first_[kInPlace];
-  int count_ = 0;
-  KernelVector<Index> more_;
 };
 
 /// Decides whether the segment from p to a candidate is a valid path (SPB definition 1): the image of a path from p in
@@ -63,8 +37,9 @@ class TetTraversal {
   }
 
   /// For components with inverted or flat elements: the rules of SPB section 3.5. Starts at s, may run backwards, does
-  /// not stop at p, gives up past twice the distance.
-  bool follow_backwards(const Candidate<D>& candidate) const;
+  /// not stop at p, gives up past twice the distance. In space several candidates are followed side by side.
+  /// @param are_valid  one per candidate
+  void follow_backwards(std::span<const Candidate<D>> candidates, bool* are_valid) const;
 
   /// Whether p, as a point of its element, lies on the boundary face, where the face contains p.
   bool is_on(Index face) const;
@@ -72,31 +47,13 @@ class TetTraversal {
  private:
   using RaySpaceVertex = typename Segment<D>::RaySpaceVertex;
 
-  /// A face of an element that the line passes through properly, listed so that its normal points along the line.
-  struct ExitFace {
-    Index element;
-    int face;  ///< opposite to which vertex of the element
-    RaySpaceVertex corners[D];
-  };
-
   KernelVector<Index> elements_at_point() const;
   bool face_holds_point(Index element, int face) const;
-  enum class Passing : std::uint8_t { kNot, kTouching, kProper };
-  Passing line_passes(const Segment<D>& segment, Index element, int face, ExitFace& exit_face) const;
-  bool follow_line(const Segment<D>& segment, const KernelVector<Index>& goals, ExitFace exit_face,
-                   KernelVector<HalfFace>& pending) const;
   bool is_at_corner(Index element, const Candidate<D>& candidate) const;
   bool contains_target(Index element, const Candidate<D>& candidate) const;
-  bool select_first_exit_face(const Segment<D>& segment, ExitFace& exit_face) const;
-  bool select_exit_face(const Segment<D>& segment, Index next, ExitFace& exit_face) const;
+  bool select_first_exit_face(const Segment<D>& segment, ExitFace<D>& exit_face) const;
   bool connects_exactly(const Segment<D>& segment, const Candidate<D>& candidate) const;
   bool segment_clearly_misses(const Segment<D>& segment, Index element, int face) const;
-  FacePoints<D> face_points(Index element, int face) const {
-    const auto ids = SimplexMesh<D>::face_of(input_.elements[element].vertices, face);
-    FacePoints<D> points;
-    for (int i = 0; i < D; ++i) points[i] = input_.positions[ids[i]];
-    return points;
-  }
   void prefetch_beyond(Index element) const {
     for (const Index next : input_.elements[element].neighbours)
       if (next >= 0) prefetch(input_.elements + HalfFace{next}.element());
@@ -140,18 +97,18 @@ bool TetTraversal<D>::is_at_corner(Index element, const Candidate<D>& candidate)
 
 /// Finds the face through which the segment leaves p's element. False when it runs exactly through an edge or a vertex.
 template <int D>
-bool TetTraversal<D>::select_first_exit_face(const Segment<D>& segment, ExitFace& exit_face) const {
-  exit_face.element = query_.element;
-  const auto& vertices = input_.elements[query_.element].vertices;
+bool TetTraversal<D>::select_first_exit_face(const Segment<D>& segment, ExitFace<D>& exit_face) const {
+  const auto& [vertices, neighbours] = input_.elements[query_.element];
   RaySpaceVertex in_ray_space[D + 1];
   for (int i = 0; i <= D; ++i) in_ray_space[i] = segment.to_ray_space(vertices[i]);
   if constexpr (D == 3) {
     int side[4][4];
     const auto find_face = [&] {
       constexpr int kFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-      for (exit_face.face = 0; exit_face.face < 4; ++exit_face.face) {
-        const auto& [a, b, c] = kFaces[exit_face.face];
+      for (int face = 0; face < 4; ++face) {
+        const auto& [a, b, c] = kFaces[face];
         if (side[a][b] <= 0 || side[b][c] <= 0 || side[c][a] <= 0) continue;
+        exit_face.next = {neighbours[face]};
         exit_face.corners[0] = in_ray_space[a];
         exit_face.corners[1] = in_ray_space[b];
         exit_face.corners[2] = in_ray_space[c];
@@ -172,45 +129,16 @@ bool TetTraversal<D>::select_first_exit_face(const Segment<D>& segment, ExitFace
     for (int i = 0; i < 3; ++i)
       if ((side[i] = segment.side(in_ray_space[i])) == 0) return false;
     constexpr int kFaces[3][2] = {{1, 2}, {2, 0}, {0, 1}};
-    for (exit_face.face = 0; exit_face.face < 3; ++exit_face.face) {
-      const int a = kFaces[exit_face.face][0], b = kFaces[exit_face.face][1];
+    for (int face = 0; face < 3; ++face) {
+      const int a = kFaces[face][0], b = kFaces[face][1];
       if (side[a] > 0 || side[b] < 0) continue;
+      exit_face.next = {neighbours[face]};
       exit_face.corners[0] = in_ray_space[a];
       exit_face.corners[1] = in_ray_space[b];
       return true;
     }
   }
   return false;
-}
-
-/// Steps into the next element and turns the exit face into the one through which the segment leaves it. False when it
-/// runs exactly through an edge or a vertex there.
-template <int D>
-bool TetTraversal<D>::select_exit_face(const Segment<D>& segment, Index next, ExitFace& exit_face) const {
-  const Index element = HalfFace{next}.element();
-  const auto& vertices = input_.elements[element].vertices;
-  const RaySpaceVertex apex = segment.to_ray_space(vertices[HalfFace{next}.face()]);
-  int behind;  // the corner that does not see the line any more
-  if constexpr (D == 3) {
-    int a = segment.clear_side(exit_face.corners[0], apex), b = segment.clear_side(exit_face.corners[1], apex),
-        c = segment.clear_side(exit_face.corners[2], apex);
-    const auto is_clear = [&] { return (((a < 0) & (b > 0)) | ((b < 0) & (c > 0)) | ((c < 0) & (a > 0))) != 0; };
-    if (!is_clear()) {  // two that are on different sides are enough
-      a = segment.side(exit_face.corners[0], apex);
-      b = segment.side(exit_face.corners[1], apex);
-      c = segment.side(exit_face.corners[2], apex);
-      if (!is_clear()) return false;
-    }
-    behind = 1 + ((a < 0) & (b > 0)) - ((b < 0) & (c > 0));  // without a branch: it would be unpredictable
-  } else {
-    const int side = segment.side(apex);
-    if (side == 0) return false;
-    behind = side > 0 ? 1 : 0;
-  }
-  exit_face.element = element;
-  exit_face.face = position_in(vertices, exit_face.corners[behind].vertex);
-  exit_face.corners[behind] = apex;
-  return true;
 }
 
 template <int D>
@@ -220,7 +148,7 @@ TraversalResult TetTraversal<D>::follow(const Candidate<D>& candidate, bool go_o
   if (starts_at(candidate)) return {true};
   const Segment<D> segment(input_, query_.point, candidate,
                            counters_ != nullptr ? &counters_->exact_decisions : nullptr);
-  ExitFace exit_face;
+  ExitFace<D> exit_face;
   // A line that comes to a fold has both elements there on one side, where no exit face leads.
   if (!strictly_inside_ || !input_.is_oriented || !select_first_exit_face(segment, exit_face))
     return {connects_exactly(segment, candidate)};
@@ -232,17 +160,16 @@ TraversalResult TetTraversal<D>::follow(const Candidate<D>& candidate, bool go_o
       passed = before > 0;
       if (passed && !go_on) return {false};
     }
-    const Index next = input_.elements[exit_face.element].neighbours[exit_face.face];
-    if (next < 0) {
+    const HalfFace next = exit_face.next;
+    if (!next.exists()) {
       const auto crossing = segment.crossing(exit_face.corners);
-      return {false, segment.sees_well(crossing, exit_face.corners) ? ~next : kNone,
+      return {false, segment.sees_well(crossing, exit_face.corners) ? next.boundary_face() : kNone,
               segment.parameter(crossing, exit_face.corners)};
     }
     count_element();
-    prefetch_beyond(HalfFace{next}.element());
-    if (!passed && contains_target(HalfFace{next}.element(), candidate))
-      return {is_at_corner(HalfFace{next}.element(), candidate)};
-    if (!select_exit_face(segment, next, exit_face)) return {passed ? false : connects_exactly(segment, candidate)};
+    prefetch_beyond(next.element());
+    if (!passed && contains_target(next.element(), candidate)) return {is_at_corner(next.element(), candidate)};
+    if (!select_exit_face(input_, segment, exit_face)) return {passed ? false : connects_exactly(segment, candidate)};
   }
 }
 
@@ -261,7 +188,7 @@ bool TetTraversal<D>::connects_exactly(const Segment<D>& segment, const Candidat
       if (next < 0 || visited.contains(HalfFace{next}.element()) || segment_clearly_misses(segment, element, i))
         continue;
       segment.count_exact();
-      if (!segment.exact().touches(face_points(element, i))) continue;
+      if (!segment.exact().touches(face_points(input_, element, i))) continue;
       visited.insert(HalfFace{next}.element());
       count_element();
       pending.push_back(HalfFace{next}.element());
@@ -324,7 +251,7 @@ KernelVector<Index> TetTraversal<D>::elements_at_point() const {
 /// Whether p lies exactly on a face, which may be one of a flat element.
 template <int D>
 bool TetTraversal<D>::face_holds_point(Index element, int face) const {
-  const FacePoints<D> points = face_points(element, face);
+  const FacePoints<D> points = face_points(input_, element, face);
   const unsigned mask = exact_closest_mask(query_.point, points);
   TargetSimplex<D> target;
   for (int i = 0; i < D; ++i)
@@ -335,94 +262,25 @@ bool TetTraversal<D>::face_holds_point(Index element, int face) const {
   return true;
 }
 
-/// How the whole line through p and s, no farther from s than its reach, meets a face. Where it passes through
-/// properly, `exit_face` is that face.
 template <int D>
-typename TetTraversal<D>::Passing TetTraversal<D>::line_passes(const Segment<D>& segment, Index element, int face,
-                                                               ExitFace& exit_face) const {
-  const auto ids = SimplexMesh<D>::face_of(input_.elements[element].vertices, face);
-  RaySpaceVertex(&corners)[D] = exit_face.corners;
-  for (int i = 0; i < D; ++i) corners[i] = segment.to_ray_space(ids[i]);
-  int positive = 0, negative = 0;
-  const auto is_beside = [&] { return D == 3 ? positive > 0 && negative > 0 : positive == D || negative == D; };
-  for (const bool exactly : {false, true}) {
-    positive = negative = 0;
-    for (int i = 0; i < D; ++i) {
-      int side;
-      if constexpr (D == 3)
-        side = exactly ? segment.side(corners[i], corners[(i + 1) % D])
-                       : segment.clear_side(corners[i], corners[(i + 1) % D]);
-      else
-        side = exactly ? segment.side(corners[i]) : segment.clear_side(corners[i]);
-      positive += side > 0;
-      negative += side < 0;
-    }
-    if (is_beside()) return Passing::kNot;
-    if (positive + negative == D) break;
-  }
-  if (positive + negative == 0) {  // the line lies in the plane of the face
-    segment.count_exact();
-    return segment.exact().touches_within_reach(face_points(element, face)) ? Passing::kTouching : Passing::kNot;
-  }
-  if (!segment.within_reach(segment.crossing(corners), corners)) return Passing::kNot;
-  if (positive + negative < D) return Passing::kTouching;
-  bool is_turned = negative > 0;  // listed so that its normal points along the line
-  if constexpr (D == 2) is_turned = segment.side(corners[0]) > 0;
-  if (is_turned) std::swap(corners[0], corners[1]);
-  exit_face.element = element;
-  exit_face.face = face;
-  return Passing::kProper;
-}
-
-/// Follows the line from a face that it passes through properly to the next one, which there is only one of, and so on.
-/// True when it comes to an element in `goals`. Where it meets an edge or a vertex the rest is left to the search.
-template <int D>
-bool TetTraversal<D>::follow_line(const Segment<D>& segment, const KernelVector<Index>& goals, ExitFace exit_face,
-                                  KernelVector<HalfFace>& pending) const {
-  const Index start = exit_face.element;
-  for (;;) {
-    const Index next = input_.elements[exit_face.element].neighbours[exit_face.face];
-    if (next < 0 || HalfFace{next}.element() == start) return false;
-    if (contains(goals, HalfFace{next}.element())) {
-      count_element();
-      return true;
-    }
-    prefetch_beyond(HalfFace{next}.element());
-    if (!select_exit_face(segment, next, exit_face)) {
-      pending.push_back(HalfFace{next});
-      return false;
-    }
-    count_element();
-    if (!segment.is_clearly_within_reach(exit_face.corners) &&
-        !segment.within_reach(segment.crossing(exit_face.corners), exit_face.corners))
-      return false;
-  }
-}
-
-template <int D>
-bool TetTraversal<D>::follow_backwards(const Candidate<D>& candidate) const {
-  if (counters_ != nullptr) ++counters_->traversals;
-  const Segment<D> segment(input_, query_.point, candidate,
-                           counters_ != nullptr ? &counters_->exact_decisions : nullptr);
+void TetTraversal<D>::follow_backwards(std::span<const Candidate<D>> candidates, bool* are_valid) const {
   const KernelVector<Index> goals = elements_at_point();
-  VisitedElements visited;
-  KernelVector<HalfFace> pending{input_.boundary_owners[candidate.face]};
-  ExitFace exit_face;
-  while (!pending.empty()) {
-    const HalfFace entry = pending.back();
-    pending.pop_back();
-    if (!visited.insert(entry.element())) continue;
-    count_element();
-    if (contains(goals, entry.element())) return true;
-    for (int i = 0; i <= D; ++i) {
-      const Index next = input_.elements[entry.element()].neighbours[i];
-      if (i == entry.face() || next < 0) continue;
-      const Passing passing = line_passes(segment, entry.element(), i, exit_face);
-      if (passing == Passing::kTouching) pending.push_back(HalfFace{next});
-      if (passing == Passing::kProper && follow_line(segment, goals, exit_face, pending)) return true;
+  KernelVector<BackwardSearch<D>> searches;
+  searches.reserve(candidates.size());
+  for (const Candidate<D>& candidate : candidates) {
+    prefetch_beyond(input_.boundary_owners[candidate.face].element());
+    searches.emplace_back(input_, query_.point, candidate, goals, counters_);
+  }
+  if constexpr (D == 3) {
+    const std::int64_t visited = LinePacket(input_, query_.point, goals).run(searches);
+    if (counters_ != nullptr) counters_->elements_visited += visited;
+  } else {
+    for (BackwardSearch<D>& search : searches) {
+      bool goes_on = search.find_line();
+      while (goes_on) goes_on = search.advance();
     }
   }
-  return false;
+  for (std::size_t i = 0; i < searches.size(); ++i) are_valid[i] = searches[i].has_arrived();
 }
 
 }  // namespace SELVAGE_ISA
