@@ -8,6 +8,7 @@
 #include <cblas.h>
 #include <dmumps_c.h>
 #include <fmt/format.h>
+#include <omp.h>
 #include <tbb/global_control.h>
 #include <CLI/CLI.hpp>
 #include <Eigen/CholmodSupport>
@@ -16,8 +17,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <functional>
-#include <limits>
 
 namespace selvage {
 namespace {
@@ -42,7 +43,7 @@ Matrix expand(const BlockMatrix& blocks) {
   return matrix;
 }
 
-/// The first system of the step after so many frames.
+/// The first system of the step after so many frames. All have contacts, and no step is halved.
 System system_of(const Scene& scene, int frames) {
   NewtonOptions options = scene.newton;
   static_cast<StepOptions&>(options) = scene.options;
@@ -64,7 +65,7 @@ System system_of(const Scene& scene, int frames) {
   return system;
 }
 
-/// Seconds of the parts of a solution, which are comparable where a part is asked of all.
+/// Seconds of the parts of a solution; 0: the solver has no such part.
 struct Times {
   double order = 0, factorize = 0, solve = 0;
 };
@@ -90,20 +91,20 @@ Solution by_gradients(const System& system, double tolerance) {
   return solution;
 }
 
-/// @param matrix  what the solver asks for: all, or one triangle
-template <typename Solver>
-Solution by_eigen(Solver&& solver, const Matrix& matrix, const Eigen::VectorXd& right) {
-  Solution solution;
-  solution.times.order = seconds_of([&] { solver.analyzePattern(matrix); });
-  solution.times.factorize = seconds_of([&] { solver.factorize(matrix); });
-  solution.times.solve = seconds_of([&] { solution.x = solver.solve(right); });
-  return solution;
+void check_factor(bool is_good) {
+  if (!is_good) throw Error("matrix", "cannot be factorized", "it may not be positive definite");
 }
 
 template <typename Solver>
-Solution by_lower_triangle(const System& system) {
+Solution by_cholesky(const System& system) {
   const Matrix lower = system.matrix.triangularView<Eigen::Lower>();
-  return by_eigen(Solver(), lower, system.right);
+  Solver solver;
+  Solution solution;
+  solution.times.order = seconds_of([&] { solver.analyzePattern(lower); });
+  solution.times.factorize = seconds_of([&] { solver.factorize(lower); });
+  check_factor(solver.info() == Eigen::Success);
+  solution.times.solve = seconds_of([&] { solution.x = solver.solve(system.right); });
+  return solution;
 }
 
 /// Pivots on the diagonal, as for matrices that are nearly symmetric. It orders as it factorizes.
@@ -113,7 +114,11 @@ Solution by_super_lu(const System& system) {
   solver.options().ColPerm = MMD_AT_PLUS_A;
   solver.options().DiagPivotThresh = 0.001;
   solver.options().IterRefine = NOREFINE;
-  return by_eigen(solver, system.matrix, system.right);
+  Solution solution;
+  solution.times.factorize = seconds_of([&] { solver.compute(system.matrix); });
+  check_factor(solver.info() == Eigen::Success);
+  solution.times.solve = seconds_of([&] { solution.x = solver.solve(system.right); });
+  return solution;
 }
 
 Solution by_mumps(const System& system) {
@@ -146,48 +151,61 @@ Solution by_mumps(const System& system) {
   mumps.a = values.data();
   mumps.rhs = solution.x.data();
   solution.times = {seconds_of([&] { run(1); }), seconds_of([&] { run(2); }), seconds_of([&] { run(3); })};
+  const bool is_good = mumps.infog[0] >= 0;
   run(-2);
+  check_factor(is_good);
   return solution;
 }
 
 struct Row {
-  const char* name;
+  const char *name, *licence;
   double most_left;  ///< by the length of the right side: more is an error
   std::function<Solution(const System&)> solve;
 };
 
 std::vector<Row> rows() {
   using Eigen::Lower;
-  // Each answer is good to rounding times the condition of the matrix; the first two stop where they are told to.
-  constexpr double kDirect = 1e-6, kRoom = 1.01;
-  return {{"conjugate gradients, blocks of the diagonal, to 1e-3", kRoom * 1e-3,
-           [](const System& s) { return by_gradients(s, 1e-3); }},
-          {"the same, to 1e-6", kRoom * 1e-6, [](const System& s) { return by_gradients(s, 1e-6); }},
-          {"Eigen SimplicialLLT, AMD (MPL2)", kDirect, by_lower_triangle<Eigen::SimplicialLLT<Matrix, Lower>>},
-          {"Eigen SimplicialLDLT, AMD (MPL2)", kDirect, by_lower_triangle<Eigen::SimplicialLDLT<Matrix, Lower>>},
-          {"CHOLMOD simplicial (LGPL)", kDirect, by_lower_triangle<Eigen::CholmodSimplicialLLT<Matrix, Lower>>},
-          {"CHOLMOD supernodal (GPL)", kDirect, by_lower_triangle<Eigen::CholmodSupernodalLLT<Matrix, Lower>>},
-          {"SuperLU (BSD), symmetric mode", kDirect, by_super_lu},
-          {"MUMPS (CeCILL-C), sequential", kDirect, by_mumps}};
+  constexpr double kDirect = 1e-8, kRoom = 1.01;
+  const auto by_gradients_to = [](double tolerance) {
+    return [tolerance](const System& system) { return by_gradients(system, tolerance); };
+  };
+  return {
+      {"conjugate gradients, to 1e-3", "ours", kRoom * 1e-3, by_gradients_to(1e-3)},
+      {"conjugate gradients, to 1e-6", "ours", kRoom * 1e-6, by_gradients_to(1e-6)},
+      {"Eigen `SimplicialLLT`, AMD", "MPL2", kDirect, by_cholesky<Eigen::SimplicialLLT<Matrix, Lower>>},
+      {"Eigen `SimplicialLDLT`, AMD", "MPL2", kDirect, by_cholesky<Eigen::SimplicialLDLT<Matrix, Lower>>},
+      {"CHOLMOD simplicial", "LGPL", kDirect, by_cholesky<Eigen::CholmodSimplicialLLT<Matrix, Lower>>},
+      {"CHOLMOD supernodal", "GPL", kDirect, by_cholesky<Eigen::CholmodSupernodalLLT<Matrix, Lower>>},
+      {"SuperLU, symmetric mode", "BSD", kDirect, by_super_lu},
+      {"MUMPS, sequential", "CeCILL-C", kDirect, by_mumps},
+  };
 }
 
-/// Of several times, each part by itself: they disturb one another least where each is least.
-Times least(const Times& a, const Times& b) {
-  return {std::min(a.order, b.order), std::min(a.factorize, b.factorize), std::min(a.solve, b.solve)};
+/// @return milliseconds; empty where there are none
+std::string median(const std::vector<Solution>& solutions, double Times::*part) {
+  std::vector<double> seconds;
+  for (const Solution& solution : solutions) seconds.push_back(solution.times.*part);
+  const auto middle = seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2);
+  std::nth_element(seconds.begin(), middle, seconds.end());
+  return *middle > 0 ? fmt::format("{:.1f}", 1e3 * *middle) : "";
 }
 
 void print_table(const System& system, int repetitions) {
-  fmt::print("| solver | iterations | order [ms] | factorise [ms] | solve [ms] | residual to right side |\n");
-  fmt::print("| --- | --- | --- | --- | --- | --- |\n");
+  fmt::print(
+      "| solver | licence | iterations | order [ms] | factorise [ms] | solve [ms] | residual by right side |\n"
+      "| --- | --- | --- | --- | --- | --- | --- |\n");
   for (const Row& row : rows()) {
-    Solution solution = row.solve(system);
-    for (int i = 1; i < repetitions; ++i) solution.times = least(solution.times, row.solve(system).times);
-    const double left = (system.right - system.matrix * solution.x).norm() / system.right.norm();
-    const auto& [order, factorize, solve] = solution.times;
-    fmt::print("| {} | {} | {:.1f} | {:.1f} | {:.1f} | {:.1e} |\n", row.name, solution.iterations, 1e3 * order,
-               1e3 * factorize, 1e3 * solve, left);
+    std::vector<Solution> solutions;
+    for (int i = 0; i < repetitions; ++i) solutions.push_back(row.solve(system));
+    const Solution& last = solutions.back();
+    const double left = (system.right - system.matrix * last.x).norm() / system.right.norm();
+    fmt::print("| {} | {} | {} | {} | {} | {} | {:.1e} |\n", row.name, row.licence,
+               last.iterations > 0 ? std::to_string(last.iterations) : "", median(solutions, &Times::order),
+               median(solutions, &Times::factorize), median(solutions, &Times::solve), left);
+    std::fflush(stdout);
     if (!(left <= row.most_left))
-      throw Error(row.name, fmt::format("leaves {:.2g} of the right side", left), "its matrix may be singular");
+      throw Error(row.name, fmt::format("leaves {:.2g} of the right side", left),
+                  fmt::format("at most {:.2g} is right", row.most_left));
   }
 }
 
@@ -200,22 +218,30 @@ Scene read_newton_scene(const std::filesystem::path& file, const std::vector<std
 
 int run(int count, char** arguments) {
   CLI::App app(
-      "One linear system of a Newton step by each solver, one thread.\n\n"
-      "Example: linear_solvers scenes/octopi_6_implicit.json --frames 57");
+      "One linear system of a Newton step by each solver, one thread: a table in Markdown.\n"
+      "Exit status: 0 done, 1 a residual is too large or the scene is amiss.");
+  app.footer("Example: linear_solvers scenes/octopi_6_implicit.json --frames 57");
   std::filesystem::path file;
   std::vector<std::string> settings;
-  int frames = 0, repetitions = 3;
-  app.add_option("scene", file, "whose solver is newton")->required();
-  app.add_option("--frames", frames, "the system is that of the next step")->check(CLI::NonNegativeNumber);
-  app.add_option("--set", settings, "a value of the scene, as in selvage simulate");
-  app.add_option("--repetitions", repetitions, "the least time of them counts")->check(CLI::PositiveNumber);
+  int frames = 0, repetitions = 5;
+  app.add_option("scene", file, "A scene file whose solver is newton")->required()->check(CLI::ExistingFile);
+  app.add_option("--frames", frames, "Frames before the step whose first system is taken")
+      ->check(CLI::Range(0, 100'000));
+  app.add_option("--set", settings, "A value in place of the scene's, as in selvage simulate");
+  app.add_option("--repetitions", repetitions, "Times that each solver runs: medians are shown")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100));
+  app.failure_message(
+      [](const CLI::App*, const CLI::Error& error) { return fmt::format("linear_solvers: {}\n", error.what()); });
   CLI11_PARSE(app, count, arguments);
   const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
   openblas_set_num_threads(1);
+  omp_set_num_threads(1);  // CHOLMOD
   const Scene scene = read_newton_scene(file, settings);
   const System system = system_of(scene, frames);
-  fmt::print("{}, the step after frame {}: {} unknowns, {} numbers in the matrix, one thread\n\n", scene.name, frames,
-             system.matrix.rows(), system.matrix.nonZeros());
+  fmt::print("{}, the step after frame {}: {} unknowns, {} numbers in the matrix; one thread, {}\n\n", scene.name,
+             frames, system.matrix.rows(), system.matrix.nonZeros(), openblas_get_config());
+  std::fflush(stdout);
   print_table(system, repetitions);
   return 0;
 }
