@@ -219,7 +219,7 @@ Scene read_newton_scene(const std::filesystem::path& file, const std::vector<std
 int run(int count, char** arguments) {
   CLI::App app(
       "One linear system of a Newton step by each solver, one thread: a table in Markdown.\n"
-      "Exit status: 0 done, 1 a residual is too large or the scene is amiss.");
+      "Exit status: 0 done, 1 a residual is too large or the scene is amiss, 2 an option is.");
   app.footer("Example: linear_solvers scenes/octopi_6_implicit.json --frames 57");
   std::filesystem::path file;
   std::vector<std::string> settings;
@@ -233,7 +233,11 @@ int run(int count, char** arguments) {
       ->check(CLI::Range(1, 100));
   app.failure_message(
       [](const CLI::App*, const CLI::Error& error) { return fmt::format("linear_solvers: {}\n", error.what()); });
-  CLI11_PARSE(app, count, arguments);
+  try {
+    app.parse(count, arguments);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
   const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
   openblas_set_num_threads(1);
   omp_set_num_threads(1);  // CHOLMOD
