@@ -98,7 +98,8 @@ bool TetTraversal<D>::is_at_corner(Index element, const Candidate<D>& candidate)
 /// Finds the face through which the segment leaves p's element. False when it runs exactly through an edge or a vertex.
 template <int D>
 bool TetTraversal<D>::select_first_exit_face(const Segment<D>& segment, ExitFace<D>& exit_face) const {
-  const auto& [vertices, neighbours] = input_.elements[query_.element];
+  const auto& vertices = input_.elements[query_.element].vertices;
+  const auto& neighbours = input_.elements[query_.element].neighbours;
   RaySpaceVertex in_ray_space[D + 1];
   for (int i = 0; i <= D; ++i) in_ray_space[i] = segment.to_ray_space(vertices[i]);
   if constexpr (D == 3) {
