@@ -8,7 +8,6 @@
 #include <cblas.h>
 #include <dmumps_c.h>
 #include <fmt/format.h>
-#include <omp.h>
 #include <tbb/global_control.h>
 #include <CLI/CLI.hpp>
 #include <Eigen/CholmodSupport>
@@ -19,6 +18,9 @@
 #include <chrono>
 #include <cstdio>
 #include <functional>
+
+/// Of OpenMP's library: its header is not there for every compiler.
+extern "C" void omp_set_num_threads(int count);
 
 namespace selvage {
 namespace {
@@ -183,8 +185,9 @@ std::vector<Row> rows() {
 
 /// @return milliseconds; empty where there are none
 std::string median(const std::vector<Solution>& solutions, double Times::*part) {
-  std::vector<double> seconds;
-  for (const Solution& solution : solutions) seconds.push_back(solution.times.*part);
+  std::vector<double> seconds(solutions.size());
+  std::transform(solutions.begin(), solutions.end(), seconds.begin(),
+                 [part](const Solution& solution) { return solution.times.*part; });
   const auto middle = seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2);
   std::nth_element(seconds.begin(), middle, seconds.end());
   return *middle > 0 ? fmt::format("{:.1f}", 1e3 * *middle) : "";
@@ -195,8 +198,8 @@ void print_table(const System& system, int repetitions) {
       "| solver | licence | iterations | order [ms] | factorise [ms] | solve [ms] | residual by right side |\n"
       "| --- | --- | --- | --- | --- | --- | --- |\n");
   for (const Row& row : rows()) {
-    std::vector<Solution> solutions;
-    for (int i = 0; i < repetitions; ++i) solutions.push_back(row.solve(system));
+    std::vector<Solution> solutions(static_cast<std::size_t>(repetitions));
+    for (Solution& solution : solutions) solution = row.solve(system);
     const Solution& last = solutions.back();
     const double left = (system.right - system.matrix * last.x).norm() / system.right.norm();
     fmt::print("| {} | {} | {} | {} | {} | {} | {:.1e} |\n", row.name, row.licence,
