@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <functional>
 
 /// Of OpenMP's library: its header is not there for every compiler.
@@ -243,7 +244,8 @@ int run(int count, char** arguments) {
   }
   const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
   openblas_set_num_threads(1);
-  omp_set_num_threads(1);  // CHOLMOD
+  omp_set_num_threads(1);                   // CHOLMOD
+  setenv("SCOTCH_PTHREAD_NUMBER", "1", 1);  // which orders for MUMPS
   const Scene scene = read_newton_scene(file, settings);
   const System system = system_of(scene, frames);
   fmt::print("{}, the step after frame {}: {} unknowns, {} numbers in the matrix; one thread, {}\n\n", scene.name,
