@@ -53,8 +53,6 @@ struct ContinuousCollisionFinder::Impl {
   bool trusts_stars = false;            ///< most stars keep their shape
   int failures = 0, steps_without_stars = 0;
   NearFeatures near;
-  std::int64_t near_uses = 0;  ///< since they were listed
-  int unused_lists = 0, steps_without_list = 0;
   std::vector<Vec3> still;               ///< where all was in the last step, if nothing moved in it
   std::optional<ContinuousPairs> known;  ///< of that step, from the second like it on
   MarkedVertices moved;                  ///< by move_ends()
@@ -136,31 +134,17 @@ struct ContinuousCollisionFinder::Impl {
   /// Whether to list what comes near, for later steps. It pays where stars do, for else most of the surface may be left
   /// out at once; and where all but rests, so that a list lasts. Where lists are not used, ever fewer steps try again.
   bool begin_list(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
-    if (near.is_set()) {
-      if (near.has_paid(near_uses)) {
-        unused_lists = steps_without_list = 0;
-      } else {
-        count_unused_list();
-      }
-    }
-    near.clear();
+    near.end();
     if (options.method != CullingMethod::kAuto || !is_culling() || options.asked_once || !options.reuse) return false;
     if (!trusts_stars && !near.nearly_rests(near.margin_at(positions_t0), positions_t0, positions_t1)) return false;
-    if (steps_without_list == 0) return true;
-    --steps_without_list;
-    return false;
-  }
-
-  void count_unused_list() {
-    unused_lists = std::min(unused_lists + 1, kMaxFailures);
-    steps_without_list = 16 << unused_lists;
+    return near.is_due();
   }
 
   /// Lists what comes near while all moves on as in this step. False: that is of no use.
   bool list_near(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {
     if (!are_of_all(positions_t0, positions_t1) || !begin_list(positions_t0, positions_t1)) return false;
     const double margin = near.margin_at(positions_t0);
-    const int steps = near.choose_steps(margin, positions_t0, positions_t1, pose);
+    const int steps = near.choose_steps(margin, positions_t0, positions_t1, pose.positions_t0(), pose.positions_t1());
     if (steps == 0) return false;
     move_on(positions_t0, positions_t1, steps, moved_on);
     if (std::ranges::any_of(moved_on, [](const Vec3& x) { return !x.allFinite(); })) return false;
@@ -174,12 +158,11 @@ struct ContinuousCollisionFinder::Impl {
     stars->place(positions_t0, moved_on, margin);
     if (!are_new && kMaxMeasuredShare * stars->measured_count() > stars->count()) {
       near.shorten();
-      if (!trusts_stars) count_unused_list();
+      if (!trusts_stars) near.count_failure();
       return false;
     }
     near.set_motion(margin, steps, pose);
     near.set_pairs(search_beside_stars(bvh, near_input(nullptr), *stars, nullptr, nullptr, {}));
-    near_uses = 0;
     pose.move(positions_t0, positions_t1, near.vertices());
     return true;
   }
@@ -199,7 +182,7 @@ struct ContinuousCollisionFinder::Impl {
       stars->place(near.motion().positions_t0(), near.motion().positions_t1(), near.margin(), near.strayed());
       near.set_pairs(search_beside_stars(bvh, near_input(&near.taken()), *stars, &near.taken(), nullptr, {}));
     }
-    ++near_uses;
+    near.count_use();
     pose.move(positions_t0, positions_t1, near.vertices());
     return true;
   }

@@ -79,7 +79,7 @@ class TriangleBatch {
   void test_triangles() {
     const unsigned lanes = pairs_.fill();
     const TriangleFeatures features(input_, pairs_);
-    const unsigned apart = MovingSets<3, 3>(input_.rounded, features.vertices, input_.thickness, input_.margin).apart();
+    const unsigned apart = MovingSets<3, 3>(input_, features.vertices).apart();
     for (unsigned rest = lanes & ~apart; rest != 0; rest &= rest - 1) {
       const int i = lowest_lane(rest);
       if (near_.add(pairs_.first[i], pairs_.second[i])) test_features();
@@ -90,7 +90,7 @@ class TriangleBatch {
   void test_features() {
     const unsigned lanes = near_.fill();
     const TriangleFeatures features(input_, near_);
-    const MovingSets<3, 3> sets(input_.rounded, features.vertices, input_.thickness, input_.margin);
+    const MovingSets<3, 3> sets(input_, features.vertices);
     unsigned same[3][3];  // corners that are one vertex
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) same[i][j] = features.same_corner(i, j);

@@ -78,7 +78,7 @@ class PartBatch {
       from[i] = part.from;
       to[i] = part.to;
     }
-    MovingSets<kFirst, 4 - kFirst> sets(input_.rounded, vertices, input_.thickness, 0);
+    MovingSets<kFirst, 4 - kFirst> sets(input_, vertices);
     sets.shorten(Float8::load(from), Float8::load(to));
     const unsigned apart = sets.apart(), meet = sets.meet();
     for (int i = 0; i < count; ++i) {
@@ -145,9 +145,8 @@ class FeatureBatch {
     Index vertices[4][EightPairs::kSize];
     for (int i = 0; i < EightPairs::kSize; ++i)
       for (int k = 0; k < 4; ++k) vertices[k][i] = pairs_[i < count_ ? i : 0].vertices[k];
-    const unsigned apart =
-        MovingSets<kFirst, 4 - kFirst>(input_.rounded, vertices, input_.thickness, input_.margin).apart();
-    if (input_.margin > 0) return list_near(apart);
+    const unsigned apart = MovingSets<kFirst, 4 - kFirst>(input_, vertices).apart();
+    if (input_.is_listing()) return list_near(apart);
     for (unsigned rest = ~apart & ((1u << count_) - 1); rest != 0; rest &= rest - 1) {
       const FeaturePair& pair = pairs_[lowest_lane(rest)];
       if (are_still(input_, pair.vertices))

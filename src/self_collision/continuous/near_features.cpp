@@ -19,9 +19,7 @@ constexpr std::int64_t kMaxStrayedShare = 4;
 /// Where more than one in so many have strayed in all, one after the other: finding the pairs of one again takes about
 /// three to five times as long as listing those of all takes a vertex.
 constexpr std::int64_t kMaxStrayedSumShare = 5;
-/// A list has to serve so many searches to pay, and no more than one vertex in so many may stray in each of them.
-constexpr std::int64_t kMinSearches = 4, kMaxStrayedRate = 64;
-constexpr int kMaxSteps = 16;
+constexpr int kMaxSteps = 16, kMaxFailures = 6;
 /// What rests takes more steps than that to move by the margin.
 constexpr double kRestingSteps = 16;
 /// What trembles does not move on: of its way, by how much that of a vertex may differ from the one before.
@@ -62,7 +60,7 @@ void move_on(std::span<const Vec3> positions_t0, std::span<const Vec3> positions
   });
 }
 
-NearFeatures::NearFeatures(const TriangleMesh& mesh) : mesh_(mesh), taken_(mesh) {}
+NearFeatures::NearFeatures(const TriangleMesh& mesh, const ListPays& pays) : mesh_(mesh), pays_(pays), taken_(mesh) {}
 
 double NearFeatures::margin_at(std::span<const Vec3> positions) const {
   const Index count = mesh_.edge_count(), asked = std::min(count, kSampledEdges);
@@ -75,12 +73,12 @@ double NearFeatures::margin_at(std::span<const Vec3> positions) const {
 }
 
 int NearFeatures::choose_steps(double margin, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1,
-                               const SweptSurface& last) const {
+                               std::span<const Vec3> last_t0, std::span<const Vec3> last_t1) const {
   std::vector<double> ways, turns;
   const Index asked = sample_vertices(mesh_.vertex_count(), [&](Index v) {
     const Vec3 way = positions_t1[v] - positions_t0[v];
     ways.push_back(largest(way));
-    turns.push_back(largest(way - (last.positions_t1()[v] - last.positions_t0()[v])));
+    turns.push_back(largest(way - (last_t1[v] - last_t0[v])));
   });
   if (asked == 0) return 0;
   const double way = median(ways), turn = median(turns);
@@ -101,12 +99,33 @@ void NearFeatures::clear() {
   is_set_ = false;
 }
 
+void NearFeatures::end() {
+  if (is_set_) {
+    if (has_paid())
+      failures_ = steps_without_ = 0;
+    else
+      count_failure();
+  }
+  clear();
+}
+
+void NearFeatures::count_failure() {
+  failures_ = std::min(failures_ + 1, kMaxFailures);
+  steps_without_ = pays_.first_wait << failures_;
+}
+
+bool NearFeatures::is_due() {
+  if (steps_without_ == 0) return true;
+  --steps_without_;
+  return false;
+}
+
 void NearFeatures::set_motion(double margin, int steps, const SweptSurface& motion) {
   is_set_ = true;
   margin_ = margin;
   steps_ = steps;
   step_ = 0;
-  strayed_sum_ = 0;
+  strayed_sum_ = uses_ = 0;
   motion_ = motion;
   vertex_face_.clear();
   edge_edge_.clear();
@@ -173,8 +192,9 @@ bool NearFeatures::is_worn() const {
   return kMaxStrayedSumShare * strayed_sum_ > mesh_.vertex_count();
 }
 
-bool NearFeatures::has_paid(std::int64_t searches) const {
-  return searches >= kMinSearches && kMaxStrayedRate * strayed_sum_ <= searches * mesh_.vertex_count();
+/// Whether the list has cost less than the searches that it served would have.
+bool NearFeatures::has_paid() const {
+  return uses_ >= pays_.min_searches && pays_.max_strayed_rate * strayed_sum_ <= uses_ * mesh_.vertex_count();
 }
 
 bool NearFeatures::take_strayed(std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1) {

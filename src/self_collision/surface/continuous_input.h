@@ -29,6 +29,10 @@ struct alignas(16) MovingTriangle {
 struct FeaturePair {
   Index first, second;
   std::array<Index, 4> vertices;
+
+  bool operator<(const FeaturePair& other) const {
+    return first != other.first ? first < other.first : second < other.second;
+  }
 };
 
 /// Input of a search over a step.
@@ -46,17 +50,19 @@ struct ContinuousInput {
   CulledNodes culled = {};
   const LeafVertices* leaves = nullptr;            ///< per node; for a search of nonadjacent triangles
   std::span<const NeighbourPair> neighbours = {};  ///< likewise
-  /// More than 0: pairs of features are listed as near, not decided, where they come nearer than if each vertex strayed
-  /// by so much along every axis; in box units, rounded up.
-  float margin = 0;
-  const std::uint8_t* strayed = nullptr;  ///< with a margin, per vertex: pairs without any such vertex are not listed
+  /// In box units, rounded up. Where one of them is more than 0, pairs of features are listed, not decided, which come
+  /// nearer than the distance if each vertex strays by the margin along every axis.
+  float margin = 0, distance = 0;
+  const std::uint8_t* strayed = nullptr;  ///< per vertex: pairs without any such vertex are not listed
+
+  bool is_listing() const { return margin > 0 || distance > 0; }
 };
 
 /// Result of one piece of a search.
 struct ContinuousResult {
   ContinuousPairs pairs;
   ContinuousCounters counters;
-  std::vector<FeaturePair> near_vertex_face, near_edge_edge;  ///< where the input has a margin
+  std::vector<FeaturePair> near_vertex_face, near_edge_edge;  ///< where the input is listing
   std::atomic<bool>* stop = nullptr;  ///< set when a pair is found, where one is enough; else null
 };
 

@@ -63,13 +63,12 @@ class MovingSets {
  public:
   static constexpr int kPoints = kFirst + kSecond;
 
+  /// Sets are apart where they are farther apart than the input's distance and the largest thickness of the one and of
+  /// the other together, also if each point strays by its margin along every axis.
+  ///
   /// @param vertices  for each of the points, the eight vertices
-  /// @param thickness  per vertex, or null: sets are apart where they are farther apart than the largest of the one and
-  ///                   the largest of the other together
-  /// @param margin     in box units: sets are apart where they are also if each point strays so far along every axis
-  SELVAGE_INLINE MovingSets(const MovingVertex* rows, const Index (&vertices)[kPoints][8], const float* thickness,
-                            float margin) {
-    for (int i = 0; i < kPoints; ++i) points_[i] = gather_moving(rows, vertices[i]);
+  SELVAGE_INLINE MovingSets(const ContinuousInput& input, const Index (&vertices)[kPoints][8]) {
+    for (int i = 0; i < kPoints; ++i) points_[i] = gather_moving(input.rounded, vertices[i]);
     // As the first one sees the others: what all have in common of their places and motions costs no bits.
     const MovingCorner origin = points_[0];
     far_ = Float8::broadcast(0);
@@ -80,15 +79,17 @@ class MovingSets {
     // Along a direction, two positions of which each is off by a rounding, and ten more of each while times are
     // shortened and dot products taken: in all less than this for each unit of the sum of the direction's coordinates.
     error_ = Float8::broadcast(4.1f * kBoxRounding) + far_ * Float8::broadcast(0x1p-19f);
-    gap_ = error_ + Float8::broadcast(2.000002f * margin);
-    if (thickness != nullptr) gap_ = gap_ + distance(thickness, vertices);
+    gap_ = error_ + Float8::broadcast(2.000002f * input.margin);
+    distance_ = Float8::broadcast(input.distance);
+    if (input.thickness != nullptr) distance_ = distance_ + thickness(input.thickness, vertices);
+    has_distance_ = input.distance > 0 || input.thickness != nullptr;
   }
 
   /// The range of a point along an axis, and the gap between two such ranges that separates them for certain.
   SELVAGE_INLINE MovingExtent extent(int point, int axis) const {
     return {points_[point].start[axis], points_[point].end[axis]};
   }
-  SELVAGE_INLINE Float8 gap() const { return gap_; }
+  SELVAGE_INLINE Float8 gap() const { return gap_ + distance_; }
 
   /// Lanes whose sets certainly never meet.
   SELVAGE_INLINE unsigned apart() const { return apart_in_part(points_); }
@@ -108,13 +109,13 @@ class MovingSets {
   using Points = MovingCorner[kPoints];
 
   /// The sum of both sets' thickness, rounded up.
-  SELVAGE_INLINE static Float8 distance(const float* thickness, const Index (&vertices)[kPoints][8]) {
+  SELVAGE_INLINE static Float8 thickness(const float* of, const Index (&vertices)[kPoints][8]) {
     float sums[8];
     for (int lane = 0; lane < 8; ++lane) {
       float first = 0, second = 0;
       for (int i = 0; i < kPoints; ++i) {
         float& largest = i < kFirst ? first : second;
-        const float own = thickness[vertices[i][lane]];
+        const float own = of[vertices[i][lane]];
         largest = own > largest ? own : largest;
       }
       sums[lane] = (first + second) * 1.000001f;
@@ -124,7 +125,7 @@ class MovingSets {
 
   SELVAGE_INLINE unsigned apart_in_part(const Points& points) const {
     unsigned apart = 0;
-    for (int axis = 0; axis < 3; ++axis) apart |= apart_by([&](const WideVec3& x) { return x[axis]; }, points, gap_);
+    for (int axis = 0; axis < 3; ++axis) apart |= apart_by([&](const WideVec3& x) { return x[axis]; }, points, gap());
     return apart == 0xff ? apart : apart | apart_in_the_middle(points);
   }
 
@@ -190,10 +191,15 @@ class MovingSets {
     }
   }
 
+  /// What strays along every axis does so by the sum of the direction's coordinates; a distance is one by its length,
+  /// which is as large where its square may vanish.
   SELVAGE_INLINE unsigned apart_along(const WideVec3& direction, const Points& points) const {
-    const Float8 length = abs_sum(direction);
-    return apart_by([&](const WideVec3& x) { return dot(direction, x); }, points,
-                    gap_ * length + Float8::broadcast(1e-30f));
+    const Float8 sum = abs_sum(direction);
+    Float8 bound = gap_ * sum + Float8::broadcast(1e-30f);
+    if (has_distance_)
+      bound = bound + distance_ * select_less(sum, Float8::broadcast(1e-15f), sum,
+                                              sqrt(dot(direction, direction)) * Float8::broadcast(1.000001f));
+    return apart_by([&](const WideVec3& x) { return dot(direction, x); }, points, bound);
   }
 
   template <typename Measure>
@@ -207,7 +213,8 @@ class MovingSets {
   }
 
   Points points_;
-  Float8 far_, error_, gap_;
+  Float8 far_, error_, gap_, distance_;
+  bool has_distance_;
 };
 
 }  // namespace SELVAGE_ISA

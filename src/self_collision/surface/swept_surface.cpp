@@ -49,11 +49,15 @@ void widen(Box& box, double by) {
 
 void SweptSurface::place(const TriangleMesh& mesh, std::span<const Vec3> positions_t0,
                          std::span<const Vec3> positions_t1, std::span<const double> thickness, const BoxUnits& units,
-                         double margin) {
+                         double margin, double distance) {
   const std::size_t count = positions_t0.size();
   units_ = units;
   // A little more, for the rounding of map_length().
-  margin_ = margin > 0 ? round_up(units.map_length(margin) * (1 + 0x1p-19)) : 0;
+  const auto in_box_units = [&](double length) {
+    return length > 0 ? round_up(units.map_length(length) * (1 + 0x1p-19)) : 0;
+  };
+  margin_ = in_box_units(margin);
+  distance_ = in_box_units(distance);
   positions_t0_.resize(count);
   positions_t1_.resize(count);
   rounded_.resize(count);
@@ -62,8 +66,7 @@ void SweptSurface::place(const TriangleMesh& mesh, std::span<const Vec3> positio
     positions_t0_[v] = positions_t0[v];
     positions_t1_[v] = positions_t1[v];
     rounded_[v] = rounded_in(units, positions_t0[v], positions_t1[v]);
-    // A little more, for the rounding of map_length(): pairs that are too far apart are rejected later.
-    if (!thickness.empty()) thickness_[v] = round_up(units.map_length(thickness[v]) * (1 + 0x1p-19));
+    if (!thickness.empty()) thickness_[v] = in_box_units(thickness[v]);
   });
   boxes_.resize(mesh.triangle_count());
   parallel_for(mesh.triangle_count(), kGrain, [&](std::int64_t t) { fit_box(mesh, static_cast<Index>(t)); });
@@ -72,6 +75,7 @@ void SweptSurface::place(const TriangleMesh& mesh, std::span<const Vec3> positio
 void SweptSurface::fit_box(const TriangleMesh& mesh, Index triangle) {
   const auto& [a, b, c] = mesh.triangles()[triangle];
   boxes_[triangle] = swept_box(rounded_[a], rounded_[b], rounded_[c], widening_of(margin_));
+  if (distance_ > 0) widen(boxes_[triangle], 0.5 * distance_);
   if (!thickness_.empty()) widen(boxes_[triangle], std::max({thickness_[a], thickness_[b], thickness_[c]}));
 }
 

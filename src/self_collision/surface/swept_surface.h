@@ -12,9 +12,10 @@ class SweptSurface {
   /// Takes the positions at both ends of a step, and the thickness at each vertex (or none), into box units. O(n),
   /// parallel.
   ///
-  /// @param margin  by which boxes are larger on all sides [m]
+  /// @param margin    by which boxes are larger on all sides [m]
+  /// @param distance  by half of which they are, besides [m]
   void place(const TriangleMesh& mesh, std::span<const Vec3> positions_t0, std::span<const Vec3> positions_t1,
-             std::span<const double> thickness, const BoxUnits& units, double margin = 0);
+             std::span<const double> thickness, const BoxUnits& units, double margin = 0, double distance = 0);
 
   /// Takes other positions, of motions that stray by less than the margin, in the same box units. Boxes stay as they
   /// are, and so does rounded() but for some vertices. O(n), parallel.
@@ -26,8 +27,9 @@ class SweptSurface {
   bool replace(const TriangleMesh& mesh, std::span<const Index> vertices, std::span<const std::array<Vec3, 2>> ends,
                std::span<const Index> triangles);
 
-  /// The margin in box units, rounded up.
+  /// The margin and the distance in box units, rounded up.
   float margin() const { return margin_; }
+  float distance() const { return distance_; }
 
   std::span<const Vec3> positions_t0() const { return positions_t0_; }
   std::span<const Vec3> positions_t1() const { return positions_t1_; }
@@ -52,7 +54,7 @@ class SweptSurface {
   UnsetVector<float> thickness_;
   UnsetVector<Box> boxes_;
   BoxUnits units_;
-  float margin_ = 0;
+  float margin_ = 0, distance_ = 0;
 };
 
 }  // namespace selvage

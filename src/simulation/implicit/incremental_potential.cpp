@@ -147,6 +147,9 @@ void IncrementalPotential::find_gradient(std::span<const Vec3> x, Eigen::VectorX
   std::vector<StencilGradient<4>> of_cloth(cloth_.count());
   parallel_for(std::ssize(of_cloth), kEnergyGrain,
                [&](std::int64_t t) { of_cloth[t] = cloth_.gradient(static_cast<Index>(t), x); });
+  std::vector<Eigen::Vector3d> of_terms(terms_.size());
+  parallel_for(std::ssize(of_terms), kEnergyGrain,
+               [&](std::int64_t t) { of_terms[t] = terms_[t].gradient(terms_[t].offset(x)); });
   gradient.setZero(3 * Eigen::Index{vertex_count()});
   parallel_for(vertex_count(), kTermGrain, [&](std::int64_t i) {
     const auto v = static_cast<Index>(i);
@@ -161,10 +164,7 @@ void IncrementalPotential::find_gradient(std::span<const Vec3> x, Eigen::VectorX
       const auto vertices = cloth_.vertices_of(t);
       sum += of_cloth[t].col(std::find(vertices.begin(), vertices.end(), v) - vertices.begin());
     }
-    for (const Index t : terms_of(v)) {
-      const OffsetTerm& term = terms_[t];
-      sum += term.weights[term.place_of(v)] * term.derivatives(term.offset(x)).gradient;
-    }
+    for (const Index t : terms_of(v)) sum += terms_[t].weights[terms_[t].place_of(v)] * of_terms[t];
     gradient.segment<3>(3 * i) = sum;
   });
 }

@@ -2,6 +2,8 @@
 
 #include "selvage/contact/contact.h"
 
+#include <algorithm>
+
 namespace selvage {
 
 /// An energy of one weighted sum of vertices, u = sum of weights[i] * x[vertices[i]] - origin: a spring, or a contact
@@ -44,9 +46,15 @@ struct OffsetTerm {
     while (vertices[place] != vertex) ++place;
     return place;
   }
-  Vec3 offset(std::span<const Vec3> positions) const;
+  Vec3 offset(std::span<const Vec3> positions) const {
+    Vec3 u = -origin;
+    for (int i = 0; i < count; ++i) u += weights[i] * positions[vertices[i]];
+    return u;
+  }
   double energy(const Vec3& u) const;
   Derivatives derivatives(const Vec3& u) const;
+  /// The first of them.
+  Eigen::Vector3d gradient(const Vec3& u) const;
 
   /// Force along the normal [N].
   double normal_force(const Vec3& u) const;
@@ -55,7 +63,58 @@ struct OffsetTerm {
   void renew_friction(const Vec3& u, double most);
 
  private:
+  /// Slips from which on friction does not depend on how far a point slides, for the Hessian.
+  static constexpr double kClearlySliding = 10;
+
   Vec3 slide(const Vec3& u) const { return u - start - normal.dot(u - start) * normal; }
+  /// Of friction by the slide, which near rest is not divided by it.
+  double secant_at(double slips) const { return friction_force / slip * (slips < 1 ? 2 - slips : 1 / slips); }
+  double spring_energy(const Vec3& u) const;
+  Derivatives spring_derivatives(const Vec3& u) const;
 };
+
+// Inline, as a sweep of vertex block descent has nothing else to do at a contact. Friction: force f1(y) with y the
+// slide by the slip, f1 = 2 y - y^2 up to 1, where it stays.
+
+inline double OffsetTerm::energy(const Vec3& u) const {
+  if (is_spring()) return spring_energy(u);
+  const double depth = std::max(target - normal.dot(u), 0.0);
+  double energy = stiffness / 2 * depth * depth;
+  if (friction_force > 0) {
+    const double y = slide(u).norm() / slip;
+    energy += friction_force * slip * (y < 1 ? y * y - y * y * y / 3 : y - 1.0 / 3);
+  }
+  return energy;
+}
+
+inline OffsetTerm::Derivatives OffsetTerm::derivatives(const Vec3& u) const {
+  if (is_spring()) return spring_derivatives(u);
+  Derivatives result{Eigen::Vector3d::Zero(), Eigen::Matrix3d::Zero()};
+  const double depth = target - normal.dot(u);
+  if (depth > 0) {
+    result.gradient = -stiffness * depth * normal;
+    result.hessian = stiffness * normal * normal.transpose();
+  }
+  if (friction_force > 0) {
+    const Vec3 across = slide(u);
+    const double y = across.norm() / slip, secant = secant_at(y);
+    result.gradient += secant * across;
+    result.hessian += secant * (Eigen::Matrix3d::Identity() - normal * normal.transpose());
+    if (y > kClearlySliding) result.hessian -= secant / across.squaredNorm() * across * across.transpose();
+  }
+  return result;
+}
+
+inline Eigen::Vector3d OffsetTerm::gradient(const Vec3& u) const {
+  if (is_spring()) return spring_derivatives(u).gradient;
+  Eigen::Vector3d result = Eigen::Vector3d::Zero();
+  const double depth = target - normal.dot(u);
+  if (depth > 0) result = -stiffness * depth * normal;
+  if (friction_force > 0) {
+    const Vec3 across = slide(u);
+    result += secant_at(across.norm() / slip) * across;
+  }
+  return result;
+}
 
 }  // namespace selvage
