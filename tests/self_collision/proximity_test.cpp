@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 #include <type_traits>
 
 namespace selvage {
@@ -121,6 +122,119 @@ TEST_P(Proximity, UpdateGivesWhatANewFinderGives) {
       const NearPairs pairs = finder.find_pairs(), expected = ProximityFinder(mesh, moved.positions, 0.3).find_pairs();
       ASSERT_EQ(numbers_of(pairs.vertex_face), numbers_of(expected.vertex_face));
       ASSERT_EQ(numbers_of(pairs.edge_edge), numbers_of(expected.edge_edge));
+    }
+  }
+}
+
+/// All that a search finds, for comparison bit by bit.
+using Found = std::vector<std::tuple<IndexPair, double, std::vector<double>>>;
+
+Found all_of(const NearPairs& pairs) {
+  Found found;
+  const auto add = [&](IndexPair numbers, double distance, std::span<const double> places,
+                       const std::array<Vec3, 2>& nearest) {
+    std::vector<double> rest(places.begin(), places.end());
+    for (const Vec3& point : nearest) rest.insert(rest.end(), {point[0], point[1], point[2]});
+    found.emplace_back(numbers, distance, rest);
+  };
+  for (const NearVertexFace& pair : pairs.vertex_face)
+    add({pair.vertex, pair.face}, pair.distance, pair.barycentric, pair.nearest);
+  for (const NearEdges& pair : pairs.edge_edge) add({pair.first, pair.second}, pair.distance, pair.place, pair.nearest);
+  return found;
+}
+
+/// Two sheets that turn, and of which one now and then comes nearer; some vertices tremble, and some jump.
+class TurningSheets {
+ public:
+  explicit TurningSheets(Random& random) : random_(random), sheet_(surfaces::sheet(24, 24, random)) {
+    const Index count = std::ssize(sheet_.positions);
+    std::vector<TriangleMesh::Triangle> triangles = sheet_.triangles;
+    for (auto [a, b, c] : sheet_.triangles) triangles.push_back({a + count, b + count, c + count});
+    mesh_ = TriangleMesh(2 * count, triangles);
+  }
+  const TriangleMesh& mesh() const { return mesh_; }
+
+  Positions at(int step) {
+    const double angle = 0.002 * step;
+    Positions all;
+    for (const double height : {0.0, 0.45 - 0.03 * std::max(0, step % 16 - 11)})
+      for (const Vec3& p : sheet_.positions)
+        all.emplace_back(std::cos(angle) * p[0] - std::sin(angle) * p[1] + 0.01 * step,
+                         std::sin(angle) * p[0] + std::cos(angle) * p[1], p[2] + height);
+    for (Index v = 0; v < std::ssize(all); v += 97) all[v][2] += random_.within(-0.05, 0.05);
+    if (step % 17 == 16) all[random_.below(std::ssize(all))] += Vec3(0.5, 0.2, 0.1);
+    return all;
+  }
+
+ private:
+  Random& random_;
+  Surface sheet_;
+  TriangleMesh mesh_;
+};
+
+TEST(ProximityLists, GiveWhatANewFinderGives) {
+  Random random(34);
+  TurningSheets sheets(random);
+  PairFilters filters;
+  filters.rest_positions = sheets.at(0);
+  for (std::size_t v = filters.rest_positions.size() / 2; v < filters.rest_positions.size(); ++v)
+    filters.rest_positions[v][2] += 100;
+  filters.rest_distance = 0.4;
+  ProximityFinder finder(sheets.mesh(), sheets.at(0), 0.4, filters);
+  const std::int64_t steps = scaled(90);
+  std::int64_t by_list = 0;
+  bool found_any = false, found_none = false;
+  for (int step = 1; step <= steps; ++step) {
+    const Positions x = sheets.at(step);
+    finder.update(x);
+    ContinuousCounters counters;
+    const Found found = all_of(finder.find_pairs(&counters));
+    by_list += counters.node_pairs == 0;
+    found_any |= found.size() > 1000;
+    found_none |= found.empty();
+    ASSERT_EQ(found, all_of(ProximityFinder(sheets.mesh(), x, 0.4, filters).find_pairs())) << step;
+  }
+  if (steps >= 20) {
+    EXPECT_GT(2 * by_list, steps) << "most are by a list";
+    EXPECT_TRUE(found_any && found_none);
+  }
+}
+
+TEST(ProximityLists, EndWhereAllJumps) {
+  Random random(35);
+  const Surface sheet = surfaces::jittered(surfaces::sheet(12, 12, random), 0.6, random);
+  const TriangleMesh mesh = sheet.mesh();
+  ProximityFinder finder(mesh, sheet.positions, 0.3);
+  for (std::int64_t n = 0; n < scaled(40); ++n) {
+    const double amount = n % 5 == 0 ? 1e6 : n % 3 == 0 ? 0.5 : 1e-3;
+    const Positions x = surfaces::jittered(sheet, amount, random).positions;
+    finder.update(x);
+    ASSERT_EQ(all_of(finder.find_pairs()), all_of(ProximityFinder(mesh, x, 0.3).find_pairs())) << n;
+  }
+}
+
+TEST(ProximityByHand, EdgesAreMeasuredAsOneByOne) {
+  Random random(36);
+  for (std::int64_t n = 0; n < scaled(300); ++n) {
+    // Of thin triangles, whose edges take all directions, are parallel, or points; also where squares vanish.
+    const double scale = n % 4 == 3 ? std::ldexp(1.0, n % 8 == 3 ? -400 : 300) : 1;
+    Positions x;
+    std::vector<TriangleMesh::Triangle> triangles;
+    for (Index t = 0; t < 6; ++t) {
+      for (int k = 0; k < 3; ++k) {
+        Vec3 p(random.within(-1, 1), random.within(-1, 1), random.within(-1, 1));
+        if (n % 3 == 0) p = p.array().round();
+        x.emplace_back(scale * p);
+      }
+      triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+    }
+    const TriangleMesh mesh(18, triangles);
+    for (const NearEdges& pair : ProximityFinder(mesh, x, 10 * scale).find_pairs().edge_edge) {
+      const auto &a = mesh.edges()[pair.first], &b = mesh.edges()[pair.second];
+      const ClosestSegmentPoints closest = closest_points({x[a[0]], x[a[1]]}, {x[b[0]], x[b[1]]});
+      ASSERT_EQ(pair.place, closest.place) << n;
+      const double measured = distance_of(closest.difference.squaredNorm(), false);
+      ASSERT_EQ(pair.distance, pair.distance > 0 ? measured : 0) << n;
     }
   }
 }

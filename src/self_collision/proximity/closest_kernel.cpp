@@ -69,8 +69,7 @@ SELVAGE_INLINE OnSegment closest_on_segment(const Wide3& p, const Wide3& a, cons
 SELVAGE_INLINE void take_inside(const Wide3 (&a)[2], const Wide3 (&b)[2], Best& best) {
   const WideDouble zero = number(0), one = number(1);
   const Wide3 u = a[1] - a[0], v = b[1] - b[0], w = b[0] - a[0];
-  const WideDouble uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), uw = dot(u, w),
-                   vw = dot(v, w);
+  const WideDouble uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), uw = dot(u, w), vw = dot(v, w);
   const WideDouble det = uu * vv - uv * uv;
   const WideDouble s = (uw * vv - uv * vw) / det, t = (uw * uv - uu * vw) / det;
   // Where it is not inside, or nowhere, it is no closer.

@@ -58,6 +58,7 @@ struct ProximityFinder::Impl {
   SelfCollisionOptions options;  ///< whose progress is reported
   UnsetVector<MovingTriangle> triangles;
   double searched = 0;  ///< the distance of searches
+  double reach = 0;     ///< the largest coordinate for which it serves
   SweptSurface pose;    ///< which does not move; or lists are made of a motion that leads here
   Bvh bvh;
   NearFeatures near;                ///< from the second pose on
@@ -76,16 +77,20 @@ struct ProximityFinder::Impl {
     rebuild(x);
   }
 
-  /// Distances of the search are off by rounding: pairs a little farther apart are searched too, then dropped.
-  double wanted_distance(std::span<const Vec3> x) const {
+  /// Distances of the search are off by rounding: pairs a little farther apart are searched too, then dropped. Enough
+  /// for surfaces up to twice as far from the origin.
+  void take_extent(std::span<const Vec3> x) {
     const PositionExtent<3> extent = check_positions<3>(x, mesh.vertex_count());
     const double largest =
         x.empty() ? 0 : std::max(extent.lower.cwiseAbs().maxCoeff(), extent.upper.cwiseAbs().maxCoeff());
-    return distance * (1 + 0x1p-20) + largest * 0x1p-45;
+    if (largest <= reach && searched > 0) return;
+    reach = 2 * largest;
+    searched = distance * (1 + 0x1p-20) + largest * 0x1p-44;
+    near.clear();
   }
 
   void rebuild(std::span<const Vec3> x) {
-    searched = wanted_distance(x);
+    take_extent(x);
     near.clear();
     last.assign(x.begin(), x.end());
     place(x, x);
@@ -108,7 +113,7 @@ struct ProximityFinder::Impl {
   }
 
   void update(std::span<const Vec3> x) {
-    if (wanted_distance(x) > searched) return rebuild(x);
+    take_extent(x);
     std::swap(earlier, last);
     last.assign(pose.positions_t1().begin(), pose.positions_t1().end());
     if (update_near(x) || list_near(x)) return;
