@@ -6,7 +6,7 @@
 #include "simulation/vbd/vertex_colours.h"
 #include "simulation/vbd/vertex_stars.h"
 
-#include <Eigen/Cholesky>
+#include <cmath>
 
 namespace selvage {
 
@@ -23,6 +23,16 @@ constexpr int kLaterPart = 4;
 constexpr int kHalvings = 8;
 /// Part of an energy that is rounding.
 constexpr double kEnergyRounding = 1e-13;
+
+/// Of a x = b, by Cholesky, inline: a sweep does little else. Not finite where a is not positive definite.
+Vec3 solve_positive(const Eigen::Matrix3d& a, const Eigen::Vector3d& b) {
+  const double l00 = std::sqrt(a(0, 0)), l10 = a(1, 0) / l00, l20 = a(2, 0) / l00;
+  const double l11 = std::sqrt(a(1, 1) - l10 * l10), l21 = (a(2, 1) - l20 * l10) / l11;
+  const double l22 = std::sqrt(a(2, 2) - (l20 * l20 + l21 * l21));
+  const double y0 = b[0] / l00, y1 = (b[1] - l10 * y0) / l11, y2 = (b[2] - (l20 * y0 + l21 * y1)) / l22;
+  const double x2 = y2 / l22, x1 = (y1 - l21 * x2) / l11;
+  return {(y0 - (l10 * x1 + l20 * x2)) / l00, x1, x2};
+}
 
 }  // namespace
 
@@ -71,7 +81,7 @@ struct VbdSolver::Parts {
       moved[i] = x[v];
       if (!potential.is_free(v)) continue;
       stars.differentiate(potential, x, i, sums[i - first], derivatives);
-      const Vec3 step = derivatives.all.hessian.llt().solve(derivatives.all.gradient);
+      const Vec3 step = solve_positive(derivatives.all.hessian, derivatives.all.gradient);
       if (step.allFinite()) moved[i] -= find_share(x, i, derivatives, step) * step;
     }
   }
