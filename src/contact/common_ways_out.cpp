@@ -48,10 +48,10 @@ std::vector<CommonWaysOut::Member> CommonWaysOut::members_of(std::span<const Pen
   std::vector<Index> in_own_piece;
   for (Index i = 0; i < std::ssize(points); ++i) {
     const PenetratingPoint& point = points[i];
-    if (point.vertices[0] >= mesh_.vertex_count()) continue;  // of a collider
-    const auto elements = mesh_.vertex_elements(point.vertices[0]);
-    if (elements.empty()) continue;  // of cloth
-    const Index own = pieces_[elements.front()], other = pieces_[point.query.element];
+    const bool is_collider = is_of_collider(point);
+    if (!is_collider && mesh_.vertex_elements(point.vertices[0]).empty()) continue;  // of cloth
+    const Index own = is_collider ? kNone : pieces_[mesh_.vertex_elements(point.vertices[0]).front()],
+                other = pieces_[point.query.element];
     if (own == other) {
       in_own_piece.push_back(i);
       continue;
@@ -157,9 +157,15 @@ BoundaryPath<3> CommonWaysOut::straight_way(std::span<const Vec3> positions, con
   return path;
 }
 
-/// Of the point's own piece, from the point on: what must come out after it.
+/// Of the point's own piece, from the point on: what must come out after it. Of a collider its edge.
 double CommonWaysOut::length_behind(std::span<const Vec3> positions, const PenetratingPoint& point,
                                     const Vec3& direction) const {
+  if (is_of_collider(point)) {
+    double longest = 0;
+    for (int k = 0; k < point.count; ++k)
+      longest = std::max(longest, direction.dot(positions[point.vertices[k]] - point.query.point));
+    return longest;
+  }
   const auto has = [&](const VertexTuple<4>& element, Index v) {
     return std::find(element.begin(), element.end(), v) != element.end();
   };

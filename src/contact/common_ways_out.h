@@ -14,13 +14,13 @@ namespace selvage {
 /// Points are in a tangle where a point shares a vertex, or a vertex of the element that it is in, with another. Those
 /// of one piece leave in a direction, those of the other against it. In one piece, the vertices of a point are of one
 /// part and those of the element that it is in of the other; where that contradicts itself, as in a fold, points keep
-/// their shortest paths. So do those of colliders and cloth, and those whose straight way ends nowhere.
+/// their shortest paths. So do those of cloth, and those whose straight way ends nowhere. All colliders are one piece.
 class CommonWaysOut {
  public:
   explicit CommonWaysOut(const TetMesh& mesh);
 
   /// Replaces the ways out of tangles whose own disagree. O(points), some hundred elements each.
-  /// @param positions  (n_vertices) [m]
+  /// @param positions  (n_vertices) of the mesh, then of colliders [m]
   /// @param points     each in its element
   /// @param paths      (n_points) their shortest paths; updated
   void apply(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
@@ -33,6 +33,7 @@ class CommonWaysOut {
     double side;
   };
 
+  bool is_of_collider(const PenetratingPoint& point) const { return point.vertices[0] >= mesh_.vertex_count(); }
   std::vector<Member> members_of(std::span<const PenetratingPoint> points) const;
   void append_members_in_own_piece(std::span<const PenetratingPoint> points, std::span<const Index> in_own_piece,
                                    std::vector<Member>& members) const;

@@ -212,7 +212,7 @@ std::vector<BoundaryPath<3>> ContactFinder::Impl::find_ways_out(std::span<const 
     parallel_for(std::ssize(points), 64, [&](std::int64_t i) {
       if (euclidean->applies_to(points[i])) found[i] = euclidean->find(points[i].query, positions);
     });
-  if (common) common->apply(of_mesh(positions), points, found);
+  if (common) common->apply(positions, points, found);
   return found;
 }
 

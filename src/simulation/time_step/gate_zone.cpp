@@ -52,11 +52,11 @@ void GateZone::add(const ZoneTouch& touch) {
   if (carrier_ == kNone || touch.carrier < carrier_) carrier_ = touch.carrier;
 }
 
-bool GateZone::is_torn(const Step& step, const Carriers& carriers) const {
+bool GateZone::is_torn(const Step& step, const Carriers& carriers, double least) const {
   return std::any_of(touches_.begin(), touches_.end(), [&](const ZoneTouch& touch) {
     if (touch.carrier == carrier_) return false;
     const Vec3 apart = touch.way - carriers.way(carrier_, step, touch.point);
-    return apart.norm() > kContactGap * carriers.max_corrections[touch.vertices[0]];
+    return apart.norm() > least * kContactGap * carriers.max_corrections[touch.vertices[0]];
   });
 }
 

@@ -58,7 +58,8 @@ class GateZone {
   void add(const ZoneTouch& touch);
 
   /// Whether carriers move apart where the zone touches them.
-  bool is_torn(const Step& step, const Carriers& carriers) const;
+  /// @param least  by more than this part of a contact's gap
+  bool is_torn(const Step& step, const Carriers& carriers, double least) const;
 
   /// By how far the vertices go where their own motion is scaled down to nothing [m]: with the first carrier, or where
   /// nothing carries the zone by `base`.

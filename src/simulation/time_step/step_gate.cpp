@@ -219,7 +219,7 @@ void StepGate::scale_zones(int round) {
 }
 
 /// False: no vertex has moved.
-bool StepGate::move_zones(bool may_bend, const Step& step, const Carriers& carriers, std::span<StepVertex> vertices) {
+bool StepGate::move_zones(int round, bool may_bend, const Step& step, const Carriers& carriers, std::span<StepVertex> vertices) {
   std::map<Index, GateZone> zones;
   std::sort(members_.begin(), members_.end());
   for (const Index v : members_) zones[root_of(v)].vertices.push_back(v);
@@ -238,7 +238,8 @@ bool StepGate::move_zones(bool may_bend, const Step& step, const Carriers& carri
     const ZoneBase base = share_of_root >= 0         ? ZoneBase::kRigid
                           : share_of_root == kDrifts ? ZoneBase::kDrifts
                                                      : ZoneBase::kStands;
-    const bool bends = may_bend && zone.is_torn(step, carriers);
+    // What still meets in late rounds does so however little carriers move apart.
+    const bool bends = may_bend && zone.is_torn(step, carriers, round < kBaseRounds ? 1 : 0);
     is_any_torn_ |= bends;
     const auto ways =
         bends ? zone.bent_ways(model_, step, carriers) : zone.base_ways(model_, step, carriers, targets_, base);
@@ -316,13 +317,13 @@ GateStatistics StepGate::hold_back(ContactFinder& finder, const Step& step, cons
     join_violations(finder.surface(), step, carriers, vertices);
     scale_zones(round);
     may_bend &= round < kBentRounds && !(round > kScaledRounds && is_crushed());
-    bool any_moved = move_zones(may_bend, step, carriers, vertices);
+    bool any_moved = move_zones(round, may_bend, step, carriers, vertices);
     if (!any_moved && round > kBaseRounds && stop_drifting())
-      any_moved = move_zones(may_bend, step, carriers, vertices);
+      any_moved = move_zones(round, may_bend, step, carriers, vertices);
     if (!any_moved && round > kBaseRounds && are_impacts_known) {
       may_bend &= is_strict_;
       if (!is_strict_ || stop_carried_zones(finder.surface()))
-        any_moved = move_zones(may_bend, step, carriers, vertices);
+        any_moved = move_zones(round, may_bend, step, carriers, vertices);
       if (!any_moved) break;
     }
     find_collapsing_elements(step, vertices);

@@ -80,7 +80,7 @@ class StepGate {
   bool is_of_model(Index vertex) const { return vertex < model_.mesh.vertex_count(); }
   Index root_of(Index vertex);
   void scale_zones(int round);
-  bool move_zones(bool may_bend, const Step& step, const Carriers& carriers, std::span<StepVertex> vertices);
+  bool move_zones(int round, bool may_bend, const Step& step, const Carriers& carriers, std::span<StepVertex> vertices);
 
   const Model& model_;
   bool is_strict_;
