@@ -157,15 +157,9 @@ BoundaryPath<3> CommonWaysOut::straight_way(std::span<const Vec3> positions, con
   return path;
 }
 
-/// Of the point's own piece, from the point on: what must come out after it. Of a collider its edge.
+/// Of the point's own piece, from the point on: what must come out after it.
 double CommonWaysOut::length_behind(std::span<const Vec3> positions, const PenetratingPoint& point,
                                     const Vec3& direction) const {
-  if (is_of_collider(point)) {
-    double longest = 0;
-    for (int k = 0; k < point.count; ++k)
-      longest = std::max(longest, direction.dot(positions[point.vertices[k]] - point.query.point));
-    return longest;
-  }
   const auto has = [&](const VertexTuple<4>& element, Index v) {
     return std::find(element.begin(), element.end(), v) != element.end();
   };
@@ -210,12 +204,18 @@ Vec3 CommonWaysOut::best_direction(std::span<const Vec3> positions, std::span<co
   const std::size_t stride = (members.size() + kSamples - 1) / kSamples;
   for (const Vec3& direction : directions) {
     double longest = 0;
+    // Of a collider, which has no elements, what is inside.
+    double last = HUGE_VAL;
+    for (const Member& member : members)
+      if (is_of_collider(points[member.point])) last = std::min(last, direction.dot(points[member.point].query.point));
+    const auto behind = [&](const PenetratingPoint& point, const Vec3& ahead) {
+      return is_of_collider(point) ? ahead.dot(point.query.point) - last : length_behind(positions, point, -ahead);
+    };
     for (std::size_t i = 0; i < members.size() && longest < shortest; i += stride) {
       const PenetratingPoint& point = points[members[i].point];
       const Vec3 ahead = members[i].side * direction;
       const BoundaryPath<3> way = straight_way(positions, point.query.point, point.query.element, ahead);
-      if (way.status == PathStatus::kFound)
-        longest = std::max(longest, way.distance + length_behind(positions, point, -ahead));
+      if (way.status == PathStatus::kFound) longest = std::max(longest, way.distance + behind(point, ahead));
     }
     if (longest < shortest) shortest = longest, best = direction;
   }
