@@ -72,21 +72,34 @@ std::vector<GateZone::Leader> GateZone::leaders() const {
   return result;
 }
 
-/// Vertices go with the touches around them, the nearest most; then the touches are closed in turn.
-std::vector<Vec3> GateZone::bent_ways(const Model& model, const Step& step, const Carriers& carriers) const {
+/// Vertices go with the touches around them, the nearest most. Some side by side, as sums of this many terms take long.
+std::vector<Vec3> GateZone::led_ways(const Step& step, const Carriers& carriers) const {
+  constexpr std::size_t kAtOnce = 8;
   const std::vector<Leader> leading = leaders();
   std::vector<Vec3> ways;
-  for (const Index v : vertices) {
-    const double least = kContactGap * carriers.max_corrections[v];
-    Vec3 sum = Vec3::Zero();
-    double weights = 0;
-    for (const Leader& leader : leading) {
-      const double weight = leader.weight / std::max((step.positions[v] - leader.point).squaredNorm(), least * least);
-      sum += weight * leader.way;
-      weights += weight;
+  for (std::size_t first = 0; first < vertices.size(); first += kAtOnce) {
+    double at[3][kAtOnce], least[kAtOnce], sums[3][kAtOnce] = {}, weights[kAtOnce] = {};
+    for (std::size_t i = 0; i < kAtOnce; ++i) {
+      const Index v = vertices[std::min(first + i, vertices.size() - 1)];
+      for (int k = 0; k < 3; ++k) at[k][i] = step.positions[v][k];
+      least[i] = kContactGap * carriers.max_corrections[v];
     }
-    ways.push_back(sum / weights);
+    for (const Leader& leader : leading)
+      for (std::size_t i = 0; i < kAtOnce; ++i) {
+        const double x = at[0][i] - leader.point[0], y = at[1][i] - leader.point[1], z = at[2][i] - leader.point[2];
+        const double weight = leader.weight / std::max(x * x + y * y + z * z, least[i] * least[i]);
+        for (int k = 0; k < 3; ++k) sums[k][i] += weight * leader.way[k];
+        weights[i] += weight;
+      }
+    for (std::size_t i = 0; i < std::min(kAtOnce, vertices.size() - first); ++i)
+      ways.emplace_back(sums[0][i] / weights[i], sums[1][i] / weights[i], sums[2][i] / weights[i]);
   }
+  return ways;
+}
+
+/// Vertices are led; then the touches are closed in turn.
+std::vector<Vec3> GateZone::bent_ways(const Model& model, const Step& step, const Carriers& carriers) const {
+  std::vector<Vec3> ways = led_ways(step, carriers);
   std::vector<std::array<std::size_t, 3>> places;  // in `vertices`, of those that each touch names
   for (const ZoneTouch& touch : touches_) {
     std::array<std::size_t, 3>& place = places.emplace_back();

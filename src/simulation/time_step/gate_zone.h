@@ -80,6 +80,7 @@ class GateZone {
   };
 
   std::vector<Leader> leaders() const;
+  std::vector<Vec3> led_ways(const Step& step, const Carriers& carriers) const;
 
   Index carrier_ = kNone;  ///< the least
   std::vector<ZoneTouch> touches_;

@@ -25,9 +25,8 @@ constexpr double kDrifts = -1, kStands = -2, kStandsAlways = -3;
 /// first of them carries it: the rounds end, and where there is no room the others get in a little, but no element
 /// inverts.
 constexpr int kBentRounds = 12;
-/// Where more than one in so many vertices would enter colliders, or elements between colliders that move apart would
-/// collapse, a body has no room. It goes through many rounds: impacts, which take longest to find, are not looked for
-/// in these, and it bends only in the first ones.
+/// Where more than one in so many vertices are inside colliders or would enter them, or elements between colliders that
+/// move apart would collapse, a body has no room.
 constexpr std::int64_t kCrushedShare = 20;
 /// Rounding of positions against sizes of elements: farther away than their ratio the sign of a volume means nothing.
 constexpr double kRounding = 0x1p-40;
@@ -56,7 +55,8 @@ StepGate::StepGate(const Model& model, Index contact_vertex_count, bool is_stric
   for (std::size_t e = 0; e < elements.size(); ++e) {
     ThinBatch& batch = batches_[e / kThinBatch];
     for (int k = 0; k < 4; ++k) batch.rows[k][e % kThinBatch] = kVertexRow * elements[e][k];
-    batch.least[e % kThinBatch] = 6 * kThinVolume * element_volume(elements[e], model.rest_positions);
+    rest_volumes_.push_back(element_volume(elements[e], model.rest_positions));
+    batch.least[e % kThinBatch] = 6 * kThinVolume * rest_volumes_.back();
   }
   const auto count = static_cast<std::size_t>(model.mesh.vertex_count());
   candidate_.resize(contact_vertex_count);
@@ -93,9 +93,9 @@ bool StepGate::is_collapsing(Index element, const Step& step, std::span<const St
   const Vec3 origin = position(vertices[corners[0]]);
   const Vec3 a = position(vertices[corners[1]]) - origin, b = position(vertices[corners[2]]) - origin,
              c = position(vertices[corners[3]]) - origin;
-  const double volume = a.cross(b).dot(c) / 6, rest = element_volume(corners, model_.rest_positions),
-               before = element_volume(corners, step.positions);
+  const double volume = a.cross(b).dot(c) / 6, rest = rest_volumes_[element];
   const double kept = volume >= kThinVolume * rest ? 0 : volume >= kMinVolume * rest ? 0.5 : 1;
+  const double before = element_volume(corners, step.positions);
   return before > 0 && volume < kept * before && origin.cwiseAbs().maxCoeff() * kRounding < std::cbrt(rest);
 }
 
@@ -113,9 +113,13 @@ void StepGate::find_collapsing_elements(const Step& step, std::span<const StepVe
 }
 
 /// A guarantee asks for a way out as long as there may be one, and else for an end of the run.
-bool StepGate::is_crushed() const {
-  return !is_strict_ && (kCrushedShare * std::ssize(entries_) > model_.mesh.vertex_count() ||
-                         (is_any_torn_ && kCrushedShare * std::ssize(collapsing_) > model_.mesh.element_count()));
+bool StepGate::is_crushed(std::int64_t vertices_in_colliders) const {
+  return !is_strict_ && kCrushedShare * vertices_in_colliders > model_.mesh.vertex_count();
+}
+
+bool StepGate::is_round_crushed() const {
+  return is_crushed(std::ssize(entries_)) ||
+         (!is_strict_ && is_any_torn_ && kCrushedShare * std::ssize(collapsing_) > model_.mesh.element_count());
 }
 
 Index StepGate::root_of(Index vertex) {
@@ -219,7 +223,8 @@ void StepGate::scale_zones(int round) {
 }
 
 /// False: no vertex has moved.
-bool StepGate::move_zones(int round, bool may_bend, const Step& step, const Carriers& carriers, std::span<StepVertex> vertices) {
+bool StepGate::move_zones(int round, bool may_bend, const Step& step, const Carriers& carriers,
+                          std::span<StepVertex> vertices) {
   std::map<Index, GateZone> zones;
   std::sort(members_.begin(), members_.end());
   for (const Index v : members_) zones[root_of(v)].vertices.push_back(v);
@@ -316,7 +321,7 @@ GateStatistics StepGate::hold_back(ContactFinder& finder, const Step& step, cons
     const auto round = static_cast<int>(statistics.rounds);
     join_violations(finder.surface(), step, carriers, vertices);
     scale_zones(round);
-    may_bend &= round < kBentRounds && !(round > kScaledRounds && is_crushed());
+    may_bend &= round < kBentRounds && !(round > kImpactRounds && is_round_crushed());
     bool any_moved = move_zones(round, may_bend, step, carriers, vertices);
     if (!any_moved && round > kBaseRounds && stop_drifting())
       any_moved = move_zones(round, may_bend, step, carriers, vertices);
@@ -328,7 +333,7 @@ GateStatistics StepGate::hold_back(ContactFinder& finder, const Step& step, cons
     }
     find_collapsing_elements(step, vertices);
     find_entries(step, carriers, vertices);
-    are_impacts_known = !any_moved || !is_crushed();
+    are_impacts_known = !any_moved || !is_round_crushed();
     impacts_ = {};
     if (are_impacts_known) find_impacts(finder, vertices);
   }

@@ -51,6 +51,10 @@ class StepGate {
   /// @param is_strict             where zones that move with what carries them meet all the same, they stand, too
   StepGate(const Model& model, Index contact_vertex_count, bool is_strict = false);
 
+  /// Whether a body has no room, by the number of its vertices that are inside colliders. It goes through many rounds,
+  /// and impacts, which take longest to find, are not looked for in all of them.
+  bool is_crushed(std::int64_t vertices_in_colliders) const;
+
   /// Whether an element is about to be inverted, or something meets.
   /// @param impacts_known  nothing meets: that has been asked since the vertices were last moved
   bool is_violated(ContactFinder& finder, const Step& step, std::span<const StepVertex> vertices, bool impacts_known);
@@ -67,7 +71,7 @@ class StepGate {
   void find_collapsing_elements(const Step& step, std::span<const StepVertex> vertices);
   void find_impacts(ContactFinder& finder, std::span<const StepVertex> vertices);
   void find_entries(const Step& step, const Carriers& carriers, std::span<const StepVertex> vertices);
-  bool is_crushed() const;
+  bool is_round_crushed() const;
   bool has_violations() const { return !impacts_.pairs.empty() || !collapsing_.empty() || !entries_.empty(); }
   void join_violations(const TriangleMesh& surface, const Step& step, const Carriers& carriers,
                        std::span<const StepVertex> positions);
@@ -84,6 +88,7 @@ class StepGate {
 
   const Model& model_;
   bool is_strict_;
+  std::vector<double> rest_volumes_;    ///< of elements [m^3]
   std::vector<ThinBatch> batches_;      ///< all elements in their order
   std::vector<unsigned char> is_thin_;  ///< (n_batches)
 

@@ -244,7 +244,7 @@ void TimeStep::find_contacts() {
 }
 
 bool TimeStep::find_missed_contacts() {
-  if (!gate_) return false;
+  if (!gate_ || gate_->is_crushed(collider_contacts_.started_inside)) return false;
   check_positions();
   parallel_for(std::ssize(candidate_), kGrain,
                [&](std::int64_t v) { candidate_[v] = position(static_cast<Index>(v)); });
