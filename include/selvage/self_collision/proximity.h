@@ -55,7 +55,10 @@ class ProximityFinder {
   ProximityFinder(ProximityFinder&&) noexcept;
   ProximityFinder& operator=(ProximityFinder&&) noexcept;
 
-  /// Takes a new pose: refits the hierarchy in O(n), and rebuilds it when its quality has become poor.
+  /// Takes a new pose. Refits the hierarchy in O(n), and rebuilds it when its quality has become poor. Where poses
+  /// follow one another by little, as in a simulation, lists all pairs that come near while vertices move on as they
+  /// do, for ten poses or so: then these cost a search for what moves otherwise, and find_pairs() only measures the
+  /// list. The pairs are the same.
   void update(std::span<const Vec3> positions);
 
   /// Takes a new pose and builds the hierarchy anew.
