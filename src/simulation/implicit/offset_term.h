@@ -87,24 +87,6 @@ inline double OffsetTerm::energy(const Vec3& u) const {
   return energy;
 }
 
-inline OffsetTerm::Derivatives OffsetTerm::derivatives(const Vec3& u) const {
-  if (is_spring()) return spring_derivatives(u);
-  Derivatives result{Eigen::Vector3d::Zero(), Eigen::Matrix3d::Zero()};
-  const double depth = target - normal.dot(u);
-  if (depth > 0) {
-    result.gradient = -stiffness * depth * normal;
-    result.hessian = stiffness * normal * normal.transpose();
-  }
-  if (friction_force > 0) {
-    const Vec3 across = slide(u);
-    const double y = across.norm() / slip, secant = secant_at(y);
-    result.gradient += secant * across;
-    result.hessian += secant * (Eigen::Matrix3d::Identity() - normal * normal.transpose());
-    if (y > kClearlySliding) result.hessian -= secant / across.squaredNorm() * across * across.transpose();
-  }
-  return result;
-}
-
 inline Eigen::Vector3d OffsetTerm::gradient(const Vec3& u) const {
   if (is_spring()) return spring_derivatives(u).gradient;
   Eigen::Vector3d result = Eigen::Vector3d::Zero();
@@ -113,6 +95,19 @@ inline Eigen::Vector3d OffsetTerm::gradient(const Vec3& u) const {
   if (friction_force > 0) {
     const Vec3 across = slide(u);
     result += secant_at(across.norm() / slip) * across;
+  }
+  return result;
+}
+
+inline OffsetTerm::Derivatives OffsetTerm::derivatives(const Vec3& u) const {
+  if (is_spring()) return spring_derivatives(u);
+  Derivatives result{gradient(u), Eigen::Matrix3d::Zero()};
+  if (target - normal.dot(u) > 0) result.hessian = stiffness * normal * normal.transpose();
+  if (friction_force > 0) {
+    const Vec3 across = slide(u);
+    const double y = across.norm() / slip, secant = secant_at(y);
+    result.hessian += secant * (Eigen::Matrix3d::Identity() - normal * normal.transpose());
+    if (y > kClearlySliding) result.hessian -= secant / across.squaredNorm() * across * across.transpose();
   }
   return result;
 }
