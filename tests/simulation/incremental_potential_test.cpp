@@ -34,7 +34,13 @@ std::vector<OffsetTerm> two_contacts(const IncrementalPotential& potential) {
   wall.vertices[0] = 7;
   wall.weights[0] = 1;
   wall.origin = Vec3(0, 0, 0.3);
-  return {pair, wall};
+  // Of a thickness, partly and all beyond where its stiffness grows.
+  OffsetTerm near = pair, nearer = pair;
+  near.vertices[0] = 6;
+  near.ramp = 10;
+  nearer.vertices[0] = 4;
+  nearer.ramp = 0.01;
+  return {pair, wall, near, nearer};
 }
 
 TEST(IncrementalPotential, HasDerivativesThatAreFiniteDifferences) {
@@ -100,6 +106,32 @@ TEST(IncrementalPotential, HasAHessianThatIsADifferenceOfGradients) {
     at = middle;
     EXPECT_LT((column - (above - below) / 2e-6).norm(), 1e-5 * column.norm()) << i;
   }
+}
+
+TEST(OffsetTerm, OfAThicknessIsTwiceContinuouslyDifferentiable) {
+  OffsetTerm term;
+  term.normal = Vec3(2, -1, 2) / 3;
+  term.target = 0.3;
+  term.stiffness = 7;
+  term.ramp = 0.1;
+  const auto at = [&](double depth) -> Vec3 { return (term.target - depth) * term.normal; };
+  const auto stiffness = [&](double depth) {
+    return double(term.normal.transpose() * term.derivatives(at(depth)).hessian * term.normal);
+  };
+  constexpr double kShift = 1e-5;
+  for (int i = -100; i <= 300; ++i) {
+    const double depth = 1e-3 * i, before = depth - kShift, after = depth + kShift;
+    const double slope = (term.energy(at(after)) - term.energy(at(before))) / (2 * kShift);
+    ASSERT_NEAR(-term.normal.dot(term.gradient(at(depth))), slope, 1e-7) << depth;
+    const double bend = term.normal.dot(term.gradient(at(before)) - term.gradient(at(after))) / (2 * kShift);
+    ASSERT_NEAR(stiffness(depth), bend, term.stiffness / term.ramp * kShift) << depth;
+    // Nowhere a jump: that of a square is all of the stiffness.
+    ASSERT_NEAR(stiffness(before), stiffness(after), 3 * term.stiffness / term.ramp * kShift) << depth;
+  }
+  EXPECT_EQ(term.energy(at(-1e-9)), 0);
+  EXPECT_DOUBLE_EQ(stiffness(0.2), term.stiffness);
+  term.ramp = 0;
+  EXPECT_GT(stiffness(kShift) - stiffness(-kShift), 0.99 * term.stiffness);
 }
 
 TEST(Minimize, ConvergesQuadraticallyNearTheSolution) {

@@ -237,6 +237,40 @@ TEST(VbdCloth, SheetsLieOnOneAnotherOnABlockOfElements) {
   EXPECT_GT(height(1), -0.25);
 }
 
+template <typename Solver, typename Options>
+void expect_sheets_part(Options options) {
+  options.contact.guarantee = true;
+  options.time_step = 1.0 / 300;
+  options.gravity = Vec3::Zero();
+  const double thickness = 0.005;
+  const Model model = make_sheets({make_cloth(1, 1, 0.1), moved(make_cloth(1, 1, 0.1), {0.04, 0.03, 0.2 * thickness})},
+                                  woven(thickness));
+  State state = make_state(model, model.rest_positions);
+  Solver solver(model, state, {}, {}, options);
+  const ClothJudge judge(model);
+  for (int i = 0; i < 40; ++i) {
+    const State before = state;
+    solver.step(state);
+    ASSERT_EQ(judge.pairs(before, state), 0) << i;
+    EXPECT_EQ(solver.statistics().held_back_vertices, 0);
+  }
+  double least = 1, most = -1;
+  for (Index v = 0; v < model.bodies[1].vertex_count; ++v) {
+    const Vec3& p = state.positions[model.bodies[1].first_vertex + v];
+    if (p[0] > 0.95 || p[1] > 0.95) continue;
+    least = std::min(least, p[2]);
+    most = std::max(most, p[2]);
+  }
+  const double below = centre(model, state)[2];
+  EXPECT_GT(2 * (least - below), 0.9 * thickness);
+  EXPECT_LT(2 * (most - below), 20 * thickness);
+}
+
+TEST(VbdCloth, SheetsThatAreNearerThanTheirThicknessPart) {
+  expect_sheets_part<VbdSolver>(VbdOptions{});
+  expect_sheets_part<NewtonSolver>(NewtonOptions{});
+}
+
 /// Sweeps are few and steps are long, so that the gate at the end of a step has something to hold back.
 void expect_nothing_meets(std::uint64_t seed, std::int64_t& met, std::int64_t& held) {
   test::Random random(seed);

@@ -12,6 +12,12 @@ namespace {
 /// Part of a vertex's largest correction below which sliding in a step is resisted by less than all of friction.
 constexpr double kSlip = 4e-3;
 
+/// Part of its thickness by which cloth that is nearer is pushed apart in a step: all at once would throw it.
+constexpr double kPush = 0.25;
+
+/// Part of a thickness over which repulsion grows to its stiffness.
+constexpr double kRamp = kPush / 2;
+
 /// Stiffness with which all vertices of a term resist; 0 where all are held.
 double stiffness_of(const OffsetTerm& term, const IncrementalPotential& potential) {
   double compliance = 0;
@@ -22,6 +28,15 @@ double stiffness_of(const OffsetTerm& term, const IncrementalPotential& potentia
 
 bool is_by_ccd(const Contact& contact) {
   return contact.kind == ContactKind::kVertexFace || contact.kind == ContactKind::kEdgeEdge;
+}
+
+/// Where the point of a contact is to be at least, along its normal.
+/// @param gap   where it is at the start of the step [m]
+/// @param most  farthest that it is sent out in a step [m]
+double target_of(const Contact& contact, double gap, double most) {
+  if (!is_by_ccd(contact)) return std::min(gap + most, contact.kind == ContactKind::kContour ? contact.distance : 0.0);
+  const double apart = std::max(gap, 0.0);
+  return std::max(std::min(apart, kContactGap * most), std::min(apart + kPush * contact.distance, contact.distance));
 }
 
 /// A point that is at rest on the surface, as near as friction in a step holds it, sticks; another slips.
@@ -69,10 +84,8 @@ void append_contact_terms(TimeStep& time_step, const IncrementalPotential& poten
     term.stiffness = kContactStiffness * stiffness_of(term, potential);
     if (!(term.stiffness > 0)) continue;
     term.start = offset_of(contact, step.positions);
-    const double gap = term.normal.dot(term.start);
-    term.target = is_by_ccd(contact)
-                      ? std::clamp(gap, 0.0, std::max(kContactGap * most, contact.distance))
-                      : std::min(gap + most, contact.kind == ContactKind::kContour ? contact.distance : 0.0);
+    term.target = target_of(contact, term.normal.dot(term.start), most);
+    if (is_by_ccd(contact)) term.ramp = kRamp * contact.distance;
     term.slip = kSlip * most;
     term.coefficient =
         coefficient_of(time_step.friction_of(contact), term, step.length() * offset_of(contact, step.velocities));

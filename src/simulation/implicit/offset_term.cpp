@@ -2,8 +2,6 @@
 
 #include "elasticity/edge_spring.h"
 
-#include <algorithm>
-
 namespace selvage {
 
 namespace {
@@ -15,10 +13,6 @@ StencilPositions<2> ends_of(const Vec3& u) {
 }
 
 }  // namespace
-
-double OffsetTerm::normal_force(const Vec3& u) const {
-  return stiffness * std::max(target - normal.dot(u), 0.0);
-}
 
 double OffsetTerm::spring_energy(const Vec3& u) const {
   return EdgeSpring{stiffness, length}.energy(ends_of(u));
@@ -32,7 +26,7 @@ OffsetTerm::Derivatives OffsetTerm::spring_derivatives(const Vec3& u) const {
 
 void OffsetTerm::renew_friction(const Vec3& u, double most) {
   if (is_spring()) return;
-  friction_force = coefficient * std::min(normal_force(u), most);
+  friction_force = coefficient * std::min(force_at(depth(u)), most);
 }
 
 }  // namespace selvage

@@ -32,10 +32,13 @@ struct OffsetTerm {
   // A contact.
   Vec3 normal = Vec3::Zero();  ///< unit
   double target = 0;           ///< where normal . u is to be at least [m]
-  double coefficient = 0;      ///< of friction
-  Vec3 start = Vec3::Zero();   ///< u at the start of the step, moved along with a collider [m]
-  double slip = 0;             ///< sliding at less is resisted by less than all of friction [m]
-  double friction_force = 0;   ///< coefficient times normal force, both of the iteration before [N]
+  /// Depth below the target up to which stiffness grows from 0 to all of it, so that the energy is C2; 0: the energy is
+  /// stiffness / 2 times the depth squared, which is C1 [m].
+  double ramp = 0;
+  double coefficient = 0;     ///< of friction
+  Vec3 start = Vec3::Zero();  ///< u at the start of the step, moved along with a collider [m]
+  double slip = 0;            ///< sliding at less is resisted by less than all of friction [m]
+  double friction_force = 0;  ///< coefficient times normal force, both of the iteration before [N]
 
   bool is_spring() const { return length >= 0; }
   std::span<const Index> vertex_span() const { return {vertices.data(), static_cast<std::size_t>(count)}; }
@@ -56,8 +59,14 @@ struct OffsetTerm {
   /// The first of them.
   Eigen::Vector3d gradient(const Vec3& u) const;
 
-  /// Force along the normal [N].
-  double normal_force(const Vec3& u) const;
+  /// How far a contact misses its target; 0 where it does not.
+  double depth(const Vec3& u) const { return std::max(target - normal.dot(u), 0.0); }
+  /// Of a contact by its depth, without friction.
+  double energy_at(double depth) const;
+  /// Along the normal [N]: the derivative of energy_at().
+  double force_at(double depth) const;
+  /// The derivative of force_at() [N/m].
+  double stiffness_at(double depth) const;
   /// Takes over the normal force, for friction in the energies that follow.
   /// @param most  normal force taken over at most [N]
   void renew_friction(const Vec3& u, double most);
@@ -76,10 +85,24 @@ struct OffsetTerm {
 // Inline, as a sweep of vertex block descent has nothing else to do at a contact. Friction: force f1(y) with y the
 // slide by the slip, f1 = 2 y - y^2 up to 1, where it stays.
 
+inline double OffsetTerm::energy_at(double depth) const {
+  if (!(ramp > 0)) return stiffness / 2 * depth * depth;
+  if (depth < ramp) return stiffness / 6 * depth * depth * depth / ramp;
+  const double beyond = depth - ramp / 2;
+  return stiffness * (beyond * beyond / 2 + ramp * ramp / 24);
+}
+
+inline double OffsetTerm::force_at(double depth) const {
+  return stiffness * (depth < ramp ? depth * depth / (2 * ramp) : depth - ramp / 2);
+}
+
+inline double OffsetTerm::stiffness_at(double depth) const {
+  return depth < ramp ? stiffness * depth / ramp : stiffness;
+}
+
 inline double OffsetTerm::energy(const Vec3& u) const {
   if (is_spring()) return spring_energy(u);
-  const double depth = std::max(target - normal.dot(u), 0.0);
-  double energy = stiffness / 2 * depth * depth;
+  double energy = energy_at(depth(u));
   if (friction_force > 0) {
     const double y = slide(u).norm() / slip;
     energy += friction_force * slip * (y < 1 ? y * y - y * y * y / 3 : y - 1.0 / 3);
@@ -90,8 +113,7 @@ inline double OffsetTerm::energy(const Vec3& u) const {
 inline Eigen::Vector3d OffsetTerm::gradient(const Vec3& u) const {
   if (is_spring()) return spring_derivatives(u).gradient;
   Eigen::Vector3d result = Eigen::Vector3d::Zero();
-  const double depth = target - normal.dot(u);
-  if (depth > 0) result = -stiffness * depth * normal;
+  if (const double deep = depth(u); deep > 0) result = -force_at(deep) * normal;
   if (friction_force > 0) {
     const Vec3 across = slide(u);
     result += secant_at(across.norm() / slip) * across;
@@ -102,7 +124,7 @@ inline Eigen::Vector3d OffsetTerm::gradient(const Vec3& u) const {
 inline OffsetTerm::Derivatives OffsetTerm::derivatives(const Vec3& u) const {
   if (is_spring()) return spring_derivatives(u);
   Derivatives result{gradient(u), Eigen::Matrix3d::Zero()};
-  if (target - normal.dot(u) > 0) result.hessian = stiffness * normal * normal.transpose();
+  if (const double deep = depth(u); deep > 0) result.hessian = stiffness_at(deep) * normal * normal.transpose();
   if (friction_force > 0) {
     const Vec3 across = slide(u);
     const double y = across.norm() / slip, secant = secant_at(y);

@@ -46,8 +46,7 @@ double VertexContacts::energy(std::span<const Placed> placed, const Vec3& move) 
     if (term->is_spring() || term->friction_force > 0) {
       sum += share * term->energy(offset + scale * move);
     } else {
-      const double depth = std::max(-gap - scale * term->normal.dot(move), 0.0);
-      sum += share * term->stiffness / 2 * depth * depth;
+      sum += share * term->energy_at(std::max(-gap - scale * term->normal.dot(move), 0.0));
     }
   }
   return sum;
