@@ -253,7 +253,7 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& path, std:
   scene.frames = description.frames;
   scene.frames_per_second = description.frames_per_second;
   scene.substeps = description.substeps.value_or(
-      default_substeps(scene.model, scene.solver, 1.0 / description.frames_per_second, description.options.max_speed));
+      default_substeps(scene.model, scene.solver, 1.0 / description.frames_per_second, description.options));
   scene.options.time_step = 1.0 / (static_cast<double>(scene.frames_per_second) * scene.substeps);
   scene.contact_from_frame = description.contact_from_frame;
   scene.fingerprint = fingerprint_of(description, scene);

@@ -118,14 +118,17 @@ TEST(SceneReader, TakesMoreStepsWhereDensitiesDifferAndDampsWhatSwings) {
                                        : 5000);
     return fmt::format(R"({{"selvage_scene": 1, "bodies": [{}]{}}})", bodies, more);
   };
-  EXPECT_EQ(parse_scene(text("lm", ""), kFile).substeps, 5);
-  EXPECT_EQ(parse_scene(text("mh", ""), kFile).substeps, 23);  // 5 * sqrt(100 / 5), rounded up
-  EXPECT_EQ(parse_scene(text("hl", ""), kFile).substeps, 50);
+  // Cubes of 1 m that are 6.4 edges across: 8.5 * (100 / 5)^0.7 * 6.4 / 3.3 * sqrt(0.4), rounded up.
+  EXPECT_EQ(parse_scene(text("mh", ""), kFile).substeps, 85);
+  EXPECT_EQ(parse_scene(text("l", ""), kFile).substeps, 5);
+  EXPECT_EQ(parse_scene(text("hl", ""), kFile).substeps, 200);
+  EXPECT_EQ(parse_scene(text("hl", R"(, "gravity": [0, 0, 0])"), kFile).substeps, 50);
+  EXPECT_EQ(parse_scene(text("hl", R"(, "frames_per_second": 600)"), kFile).substeps, 50);
   EXPECT_EQ(parse_scene(text("hl", R"(, "substeps": 7)"), kFile).substeps, 7);
   EXPECT_EQ(parse_scene(text("hl", R"(, "solver": "newton")"), kFile).substeps, 5);
   const std::string given = R"(, "substeps": 7, "frames_per_second": 50)";
   EXPECT_EQ(parse_scene(text("hl", given), kFile).options.time_step, 1.0 / (50 * 7));
-  EXPECT_EQ(parse_scene(text("mh", ""), kFile).options.time_step, 1.0 / (60 * 23));
+  EXPECT_EQ(parse_scene(text("mh", ""), kFile).options.time_step, 1.0 / (60 * 85));
   const SceneDescription scene = describe_scene(text("mh", ""), kFile, "");
   EXPECT_EQ(scene.options.deformation_damping, 1);
   EXPECT_EQ(scene.bodies[0].material.solid.damping, 0.002);
