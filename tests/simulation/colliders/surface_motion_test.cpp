@@ -170,7 +170,7 @@ std::vector<Vec3> dance_under_cloth(int steps, double time_step) {
   for (int i = 0; i < steps; ++i) {
     const State before = state;
     solver.step(state);
-    pushes += solver.statistics().collider_contacts;
+    pushes += solver.statistics().collider_contacts + std::ssize(solver.contacts());
     EXPECT_EQ(judge.pairs(before, state), 0) << i;
     EXPECT_EQ(judge.near(state, 0.4 * thickness), 0) << i;
   }
