@@ -23,9 +23,7 @@ double volume_of(const Body& body, const Model& model) {
 /// Areas of the boundaries of all bodies of elements.
 std::vector<double> areas_of(const Model& model) {
   std::vector<double> areas(model.bodies.size(), 0.0);
-  std::vector<std::size_t> body_of(model.mesh.vertex_count());
-  for (std::size_t b = 0; b < areas.size(); ++b)
-    std::fill_n(body_of.begin() + model.bodies[b].first_vertex, model.bodies[b].vertex_count, b);
+  const std::vector<Index> body_of = bodies_of_vertices(model);
   for (const auto& [a, b, c] : model.mesh.boundary_faces()) {
     const Vec3& p = model.rest_positions[a];
     areas[body_of[a]] += (model.rest_positions[b] - p).cross(model.rest_positions[c] - p).norm() / 2;

@@ -101,7 +101,7 @@ double height_of(const std::string& text) {
   return height;
 }
 
-TEST(Heap, TowersStandWithDefaultSettings) {
+TEST(Heaps, TowersStandWithDefaultSettings) {
   EXPECT_GT(height_of(tower(1000, "")), 0.118);
   EXPECT_GT(height_of(tower(5000, "")), 0.115);
   // As soft as these steps make it, one falls.

@@ -18,8 +18,8 @@ std::vector<StepVertex> step_vertices(const Model& model, std::span<const Vec3> 
   return vertices;
 }
 
-/// A contact of a vertex with a face, and one of a vertex with a collider.
-std::vector<OffsetTerm> two_contacts(const IncrementalPotential& potential) {
+/// Contacts of a vertex with a face, and one of a vertex with a collider.
+std::vector<OffsetTerm> some_contacts(const IncrementalPotential& potential) {
   OffsetTerm pair;
   pair.count = 4;
   pair.vertices = {0, 5, 9, 13};
@@ -51,7 +51,7 @@ TEST(IncrementalPotential, HasDerivativesThatAreFiniteDifferences) {
     const Step step{1, 0, 0.01, start, velocities};
     const std::vector<Index> held{3, 4};
     potential.begin(step, step_vertices(model, jittered(start, 0.02, 2), held));
-    potential.set_contacts(two_contacts(potential));
+    potential.set_contacts(some_contacts(potential));
     std::vector<Vec3> x = jittered(start, 0.02, 3);
     potential.renew_friction(x, false);
     Eigen::VectorXd gradient, above, below, alone;
@@ -88,7 +88,7 @@ TEST(IncrementalPotential, HasAHessianThatIsADifferenceOfGradients) {
   std::vector<Vec3> x = jittered(model.rest_positions, 0.01, 4);
   const std::vector<Vec3> velocities(x.size(), Vec3::Zero());
   potential.begin({1, 0, 0.01, model.rest_positions, velocities}, step_vertices(model, x, std::vector<Index>{2}));
-  potential.set_contacts(two_contacts(potential));
+  potential.set_contacts(some_contacts(potential));
   Eigen::VectorXd gradient, above, below, column, unit = Eigen::VectorXd::Zero(3 * std::ssize(x));
   BlockMatrix matrix;
   potential.assemble(x, true, gradient, matrix);
@@ -165,7 +165,7 @@ TEST(LinearSystem, SolvesByFactorizationAndByConjugateGradientsAlike) {
   const std::vector<Vec3> velocities(model.rest_positions.size(), Vec3::Zero());
   const std::vector<Vec3> x = jittered(model.rest_positions, 0.01, 5);
   potential.begin({1, 0, 0.01, model.rest_positions, velocities}, step_vertices(model, x, std::vector<Index>{1, 2}));
-  potential.set_contacts(two_contacts(potential));
+  potential.set_contacts(some_contacts(potential));
   Eigen::VectorXd gradient, exact, near, back;
   BlockMatrix matrix;
   potential.assemble(x, false, gradient, matrix);
