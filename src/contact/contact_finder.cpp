@@ -264,14 +264,16 @@ void ContactFinder::Impl::append_ways_out(std::span<const Vec3> positions, std::
       ++statistics.blocked_paths;
       continue;
     }
-    const Contact contact = path_contact(mesh, points[i], found[i]);
+    const Contact contact = is_of_collider(points[i].vertices[0])
+                                ? collider_path_contact(mesh, positions, points[i], found[i])
+                                : path_contact(mesh, points[i], found[i]);
     // A point between two elements is in both, and leaves them the same way.
     const auto same = [&](const Contact& other) {
       return other.surface_feature == contact.surface_feature && other.point == contact.point;
     };
     if (first < contacts.size() && !is_same_point(contacts[first], contact)) first = contacts.size();
     // A way out that ends on a face of the point's own vertices can move none of them.
-    const bool moves = contact.count > 0 && !found[i].normal.isZero(0);
+    const bool moves = contact.count > 0 && !contact.normal.isZero(0);
     if (!moves || std::any_of(contacts.begin() + first, contacts.end(), same)) continue;
     contacts.push_back(contact);
   }

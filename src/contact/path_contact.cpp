@@ -54,6 +54,30 @@ Contact path_contact(const TetMesh& mesh, const PenetratingPoint& point, const B
   return contact;
 }
 
+Contact collider_path_contact(const TetMesh& mesh, std::span<const Vec3> positions, const PenetratingPoint& point,
+                              const BoundaryPath<3>& path) {
+  Contact contact;
+  contact.kind = point.kind;
+  contact.point = path.point;
+  contact.point_feature = point.feature;
+  contact.surface_feature = path.face;
+  const Vec3 way = path.point - point.query.point;
+  contact.distance = way.norm();
+  const auto& element = mesh.elements()[point.query.element];
+  std::array<double, 4> barycentric{};
+  double total = 0;
+  for (int i = 0; i < 4; ++i) {
+    const auto corners = corners_of(TetMesh::face_of(element, i), positions);
+    barycentric[i] = std::max(0.0, area_normal(corners).dot(corners[0] - point.query.point));
+    total += barycentric[i];
+  }
+  if (!(contact.distance > 0) || !(total > 0)) return contact;
+  contact.normal = way / contact.distance;
+  for (int i = 0; i < point.count; ++i) add_weight(contact, point.vertices[i], point.weights[i]);
+  for (int i = 0; i < 4; ++i) add_weight(contact, element[i], -barycentric[i] / total);
+  return contact;
+}
+
 Vec3 outward_normal(const TetMesh& mesh, std::span<const Vec3> positions, Index face,
                     const std::array<double, 3>& barycentric) {
   const auto& corners = mesh.boundary_faces()[face];

@@ -26,6 +26,14 @@ PenetratingPoint penetrating_centroid(Index of_element, const VertexTuple<4>& ve
 /// The contact of a point and the closest boundary point that was found for it.
 Contact path_contact(const TetMesh& mesh, const PenetratingPoint& point, const BoundaryPath<3>& path);
 
+/// The contact of a point of a collider: not the face at the end of its way out is moved, but the element that it is
+/// in, against that way. So a body moves off as a whole. Moved alone, the face would be pulled through what lies
+/// between, as the collider cannot come to meet it. Without vertices where the element is flat, or the way has no
+/// length.
+/// @param positions  (n_vertices) [m]
+Contact collider_path_contact(const TetMesh& mesh, std::span<const Vec3> positions, const PenetratingPoint& point,
+                              const BoundaryPath<3>& path);
+
 /// Outward unit normal of the boundary at a point of a face: area-weighted over all faces that have the vertices whose
 /// barycentric coordinates there are not 0; where they cancel, the face's own. Zero where that is flat.
 Vec3 outward_normal(const TetMesh& mesh, std::span<const Vec3> positions, Index face,

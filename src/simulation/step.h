@@ -1,5 +1,6 @@
 #pragma once
 
+#include "selvage/contact/contact.h"
 #include "selvage/simulation/model.h"
 
 namespace selvage {
@@ -19,5 +20,15 @@ std::vector<double> max_corrections_of(const Model& model);
 
 /// Fraction of a vertex's largest correction by which a contact keeps it in front of a surface.
 inline constexpr double kContactGap = 0.01;
+
+/// Part of a vertex's largest correction by which a body moves off a collider that stands in it, in a step: it is to
+/// come free gently, and not to be torn.
+inline constexpr double kOffCollider = 0.2;
+
+/// Whether a contact is that of a collider's point inside an element.
+inline bool moves_off_collider(const Contact& contact) {
+  const bool is_path = contact.kind == ContactKind::kVertexPath || contact.kind == ContactKind::kEdgePath;
+  return is_path && contact.distance > 0;
+}
 
 }  // namespace selvage

@@ -50,7 +50,7 @@ TEST(ColliderTriangles, AVertexThatRunsIntoAFaceMeetsIt) {
   EXPECT_LT(gap_of(*found, s.with_tip(above)), 0);
 }
 
-TEST(ColliderTriangles, AVertexInsideIsSentOutByTheShortestPath) {
+TEST(ColliderTriangles, AVertexInsideMovesItsElementAgainstTheShortestPath) {
   const Setting s;
   const Positions inside = s.with_tip({0.3, 0.4, 0.05});
   ContactFinder finder(s.mesh, {}, inside, {}, {}, s.triangles);
@@ -58,7 +58,12 @@ TEST(ColliderTriangles, AVertexInsideIsSentOutByTheShortestPath) {
   ASSERT_FALSE(contacts.empty());
   EXPECT_EQ(contacts[0].kind, ContactKind::kVertexPath);
   EXPECT_EQ(contacts[0].point_feature, s.first);
-  EXPECT_NEAR(gap_of(contacts[0], inside), -0.05, 1e-12);
+  EXPECT_NEAR(contacts[0].distance, 0.05, 1e-12);
+  EXPECT_NEAR((contacts[0].normal - Vec3(0, 0, -1)).norm(), 0, 1e-12);
+  Positions out = inside;
+  for (Index v = 0; v < s.first; ++v) out[v][2] += 0.05;
+  EXPECT_NEAR(gap_of(contacts[0], inside), 0, 1e-12);
+  EXPECT_NEAR(gap_of(contacts[0], out), contacts[0].distance, 1e-12);
   ASSERT_EQ(finder.penetrating_vertices().size(), 1U);
   EXPECT_EQ(finder.penetrating_vertices()[0], s.first);
 }

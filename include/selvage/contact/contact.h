@@ -21,7 +21,8 @@ inline constexpr int kContactKinds = 6;
 ///
 /// The weights of the point are positive and sum to 1, those of the surface are negative and sum to -1. A vertex of
 /// both is listed once, with the sum of its weights; a vertex whose weight is 0 is left out. So all vertices differ,
-/// and weights[i] * normal is the gradient at each.
+/// and weights[i] * normal is the gradient at each. Of a point of a collider inside an element, that element is the
+/// surface: the sum is 0 where it is found, and is to become `distance`.
 struct Contact {
   static constexpr int kMaxVertices = 7;  ///< a centroid's four and a face's three
 
@@ -32,7 +33,8 @@ struct Contact {
   Vec3 normal = Vec3::Zero();     ///< unit; out of the surface, or to the side that the point came from
   Vec3 point = Vec3::Zero();      ///< of the surface: the closest boundary point, or where they met [m]
   double distance = 0;            ///< that is kept in front of the surface, where it was there before: of cloth [m].
-                                  ///< For kContour: what is to be gained in a step
+                                  ///< For kContour: what is to be gained in a step. For a collider's point inside an
+                                  ///< element: by how far that is to move off
   double time = 0;                ///< of impact, as a fraction of the step; 0 for DCD
   Index point_feature = kNone;    ///< the penetrating feature: a vertex, a boundary edge or an element, by its number
   Index surface_feature = kNone;  ///< the feature that it meets: a boundary face, or for kEdgeEdge a boundary edge

@@ -34,7 +34,8 @@ bool is_by_ccd(const Contact& contact) {
 /// @param gap   where it is at the start of the step [m]
 /// @param most  farthest that it is sent out in a step [m]
 double target_of(const Contact& contact, double gap, double most) {
-  if (!is_by_ccd(contact)) return std::min(gap + most, contact.kind == ContactKind::kContour ? contact.distance : 0.0);
+  if (moves_off_collider(contact)) return std::min(gap + kOffCollider * most, contact.distance);
+  if (!is_by_ccd(contact)) return std::min(gap + most, contact.distance);
   const double apart = std::max(gap, 0.0);
   return std::max(std::min(apart, kContactGap * most), std::min(apart + kPush * contact.distance, contact.distance));
 }

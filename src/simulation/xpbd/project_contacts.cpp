@@ -124,9 +124,12 @@ void project_contact(const Contact& contact, const Step& step, std::span<const d
   double max_correction = max_corrections[contact.vertices[0]];
   for (int i = 1; i < contact.count; ++i)
     max_correction = std::min(max_correction, max_corrections[contact.vertices[i]]);
-  if (contact.kind == ContactKind::kContour) depth += contact.distance;
   if (is_path(contact.kind)) {
-    depth = std::min(depth, max_correction);
+    depth = std::min(depth + contact.distance, max_correction);
+    if (moves_off_collider(contact)) {
+      const double gained = contact.normal.dot(offset - offset_between(contact, step.positions));
+      depth = std::min(depth, kOffCollider * max_correction - gained);
+    }
   } else {
     depth += gap_to_keep(contact, contact.normal.dot(offset_between(contact, step.positions)), max_correction);
   }

@@ -22,7 +22,7 @@ struct ContactFriction {
 ///
 /// A contact by DCD sends its point out by at most the least of the largest corrections of its vertices: where elements
 /// are inverted, the way out can be a long detour, and all of it at once would invert the point's own elements, and
-/// theirs in turn others.
+/// theirs in turn others. A collider's point is left by so much that the body gains kOffCollider of that in the step.
 ///
 /// A vertex that a collider has pushed in the step is not pushed back into it: the other side of the contact moves all
 /// the way. Else either would undo a half of the other, and where a body stands on vertices of another that lie on the
