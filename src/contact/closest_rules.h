@@ -1,7 +1,7 @@
 #pragma once
 
 #include "bvh/bvh.h"
-#include "contact/path_contact.h"
+#include "contact/ways_out/path_contact.h"
 
 namespace selvage {
 

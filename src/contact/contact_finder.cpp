@@ -1,17 +1,18 @@
 #include "selvage/contact/contact_finder.h"
 
 #include "contact/closest_rules.h"
-#include "contact/common_ways_out.h"
 #include "contact/contours/cloth_contours.h"
 #include "contact/impacts/impact_search.h"
 #include "contact/impacts/met_faces.h"
 #include "contact/impacts/near_contacts.h"
 #include "contact/input/collider_triangles.h"
 #include "contact/input/inverted_vertices.h"
-#include "contact/path_contact.h"
 #include "contact/penetration_search.h"
 #include "contact/tangled_vertices.h"
 #include "contact/tangles.h"
+#include "contact/ways_out/common_ways_out.h"
+#include "contact/ways_out/path_contact.h"
+#include "contact/ways_out/ways_off_colliders.h"
 #include "core/parallel.h"
 #include "core/timed.h"
 #include "mesh/position_extent.h"
@@ -46,6 +47,7 @@ struct ContactFinder::Impl {
   std::optional<EuclideanRule> euclidean;
   Contours contours;                    ///< of cloth at the start of the step; none but for kHybrid
   std::optional<CommonWaysOut> common;  ///< of the shortest paths, where bodies penetrate at the start of steps only
+  std::optional<WaysOffColliders> off;  ///< likewise, where there are colliders and rest positions
 
   std::vector<Index> inside;  ///< features of the search that penetrate at the start of the step
   std::vector<std::uint8_t> is_inside;
@@ -83,6 +85,7 @@ struct ContactFinder::Impl {
   void append_interior_points(std::span<const Vec3> positions, std::vector<PenetratingPoint>& points) const;
   void place(std::span<const Vec3> positions);
   std::vector<BoundaryPath<3>> find_ways_out(std::span<const PenetratingPoint> points, std::span<const Vec3> positions);
+  std::vector<PieceWayOff> choose_ways_off(const std::function<bool(Index, const Vec3&)>& is_blocked);
   void append_paths(std::span<const Vec3> positions, std::vector<Contact>& contacts);
   std::vector<std::uint8_t> leave_out_waiting(std::vector<PenetratingPoint>& points);
   void append_ways_out(std::span<const Vec3> positions, std::vector<PenetratingPoint>& points,
@@ -117,7 +120,10 @@ ContactFinder::Impl::Impl(const TetMesh& m, std::span<const Vec3> rest_positions
                    PathOptions{options.cull_infeasible_regions, true}, !options.interior_points);
   positions_t0.assign(positions.begin(), positions.end());
   if (search) is_inside.resize(search->feature_count());
-  if (splits() && options.rule == ClosestPointRule::kShortestPath) common.emplace(mesh);
+  if (splits() && options.rule == ClosestPointRule::kShortestPath) {
+    common.emplace(mesh);
+    if (!colliders.empty() && !rest_positions.empty()) off.emplace(mesh, rest_positions, surface, body_faces);
+  }
   if (splits() && options.wait_for_inverted) pieces = mesh.element_components();
   if (std::any_of(cloth.thickness.begin(), cloth.thickness.end(), [](double t) { return t > 0; }) && uses_ccd()) {
     check_positions<3>(rest_positions, mesh.vertex_count(), "rest_positions");
@@ -132,6 +138,7 @@ void ContactFinder::Impl::begin_step(std::span<const Vec3> positions) {
   check_positions<3>(positions, vertex_count());
   statistics = {};
   has_begun = true;
+  if (off) off->begin_step();
   positions_t0.assign(positions.begin(), positions.end());
   impacts.begin_step();
   if (splits()) split_features();
@@ -213,7 +220,20 @@ std::vector<BoundaryPath<3>> ContactFinder::Impl::find_ways_out(std::span<const 
       if (euclidean->applies_to(points[i])) found[i] = euclidean->find(points[i].query, positions);
     });
   if (common) common->apply(positions, points, found);
+  if (off) off->apply(positions, points, found);
   return found;
+}
+
+std::vector<PieceWayOff> ContactFinder::Impl::choose_ways_off(
+    const std::function<bool(Index, const Vec3&)>& is_blocked) {
+  const bool is_any_inside =
+      std::any_of(inside_vertices.begin(), inside_vertices.end(), [&](Index v) { return is_of_collider(v); }) ||
+      std::any_of(inside_edges.begin(), inside_edges.end(),
+                  [&](Index e) { return is_of_collider(surface.edges()[e][0]); });
+  if (!off || !is_any_inside) return {};
+  std::vector<PenetratingPoint> points = find_boundary_points(positions_t0);
+  std::erase_if(points, [&](const PenetratingPoint& p) { return !is_of_collider(p.vertices[0]); });
+  return off->choose(positions_t0, points, is_blocked);
 }
 
 void ContactFinder::Impl::append_paths(std::span<const Vec3> positions, std::vector<Contact>& contacts) {
@@ -262,6 +282,10 @@ void ContactFinder::Impl::append_ways_out(std::span<const Vec3> positions, std::
     if (waits[points[i].tangle] != 0) continue;
     if (found[i].status != PathStatus::kFound) {
       ++statistics.blocked_paths;
+      continue;
+    }
+    if (off && off->waits(points[i])) {
+      ++statistics.waiting_points;
       continue;
     }
     const Contact contact = is_of_collider(points[i].vertices[0])
@@ -365,6 +389,11 @@ ContactFinder& ContactFinder::operator=(ContactFinder&&) noexcept = default;
 
 void ContactFinder::begin_step(std::span<const Vec3> positions_t0) {
   impl_->begin_step(positions_t0);
+}
+
+std::vector<PieceWayOff> ContactFinder::choose_ways_off(const std::function<bool(Index, const Vec3&)>& is_blocked) {
+  if (!impl_->has_begun) throw Error("step", "has not begun", "call begin_step() first");
+  return impl_->choose_ways_off(is_blocked);
 }
 
 void ContactFinder::find_contacts(std::span<const Vec3> positions_t1, std::vector<Contact>& contacts) {

@@ -3,7 +3,7 @@
 #include "boundary_path/injectivity/star_proof.h"
 #include "contact/edge_part.h"
 #include "contact/input/collider_triangles.h"
-#include "contact/path_contact.h"
+#include "contact/ways_out/path_contact.h"
 #include "core/parallel.h"
 #include "mesh/simplex_corners.h"
 #include "selvage/geometry/predicates.h"

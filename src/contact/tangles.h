@@ -1,6 +1,6 @@
 #pragma once
 
-#include "contact/path_contact.h"
+#include "contact/ways_out/path_contact.h"
 #include "selvage/mesh/simplex_mesh.h"
 
 namespace selvage {

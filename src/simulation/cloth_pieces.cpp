@@ -66,4 +66,14 @@ std::vector<ClothHinge> list_cloth_hinges(const Model& model) {
   return hinges;
 }
 
+std::vector<double> half_thickness_of(const Model& model) {
+  std::vector<double> thickness;
+  for (const Body& body : model.bodies) {
+    if (!body.is_cloth() || !(body.cloth.thickness > 0)) continue;
+    thickness.resize(model.mesh.vertex_count(), 0.0);
+    std::fill_n(thickness.begin() + body.first_vertex, body.vertex_count, body.cloth.thickness / 2);
+  }
+  return thickness;
+}
+
 }  // namespace selvage

@@ -24,6 +24,9 @@ struct ClothHinge {
 
 std::vector<ClothTriangle> list_cloth_triangles(const Model& model);
 
+/// (n_vertices) half of the thickness of cloth at each; empty where none is thick [m].
+std::vector<double> half_thickness_of(const Model& model);
+
 /// Of all edges between two triangles, but of bodies that do not resist bending. Where more than two triangles share
 /// an edge, between each and the next.
 std::vector<ClothHinge> list_cloth_hinges(const Model& model);

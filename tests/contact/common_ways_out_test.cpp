@@ -1,5 +1,5 @@
 // Ways out of bodies that cut through each other.
-#include "contact/common_ways_out.h"
+#include "contact/ways_out/common_ways_out.h"
 #include "selvage/contact/contact_finder.h"
 #include "solids.h"
 #include "threads.h"
@@ -83,29 +83,6 @@ TEST(CommonWaysOut, LeadABodyInsideAnotherToTheNearestSide) {
   for (const Contact& contact : contacts) {
     EXPECT_EQ(contact.normal, Vec3(0, 0, 1));
     EXPECT_NEAR(contact.point[2], 1, 1e-12);
-  }
-}
-
-/// Its vertical edges are cut: the shortest ways out of their upper pieces lead up, those of the others down.
-TEST(CommonWaysOut, LeadANeedleThatRunsThroughABodyOutOneWay) {
-  const Solid plate = solids::box({-1, -1, -0.1}, {1, 1, 0.1}, 0.1);
-  const Solid needle = solids::box({-0.03, -0.02, -0.55}, {0.04, 0.05, 0.65}, 0.1);
-  const TetMesh mesh = plate.mesh(), needle_mesh = needle.mesh();
-  std::vector<Vec3> positions = plate.positions;
-  positions.insert(positions.end(), needle.positions.begin(), needle.positions.end());
-  std::vector<VertexTuple<3>> triangles;
-  for (auto [a, b, c] : needle_mesh.boundary_faces())
-    triangles.push_back({a + mesh.vertex_count(), b + mesh.vertex_count(), c + mesh.vertex_count()});
-  ContactFinder finder(mesh, {}, positions, {}, {}, triangles);
-  finder.begin_step(positions);
-  std::vector<Contact> contacts;
-  finder.find_contacts(positions, contacts);
-  ASSERT_GT(contacts.size(), 4u);
-  for (const Contact& contact : contacts) {
-    EXPECT_GE(contact.vertices[0], mesh.vertex_count());
-    EXPECT_EQ(contact.normal, contacts[0].normal);
-    EXPECT_NEAR(std::abs(contact.normal[2]), 1, 1e-12);
-    EXPECT_NEAR(contact.point[2], 0.1 * contact.normal[2], 1e-12);
   }
 }
 

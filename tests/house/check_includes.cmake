@@ -20,7 +20,7 @@ set(rooms_of_self_collision surface culling discrete/continuous proximity)
 set(rooms_of_simulation colliders crossings time_step xpbd elements implicit newton/vbd)
 set(rooms_of_untangling solids)
 set(rooms_of_scene description files reading)
-set(rooms_of_contact input impacts contours)
+set(rooms_of_contact input impacts contours ways_out)
 # Floors whose own folder lies below their rooms: a room may include what lies there, and not the reverse.
 set(floors_below_rooms geometry core io shapes elasticity simulation)
 set(simd_folder src/core/simd)

@@ -4,6 +4,7 @@
 #include "selvage/contact/contact.h"
 #include "selvage/self_collision/continuous_collision.h"
 
+#include <functional>
 #include <memory>
 
 namespace selvage {
@@ -29,7 +30,8 @@ struct ContactStatistics {
   /// Likewise: vertices where bodies penetrate, which find_impacts() leaves to contacts. Without any, all is guarded.
   std::int64_t unguarded_vertices = 0;
 
-  std::int64_t waiting_points = 0;  ///< pairs of a point and an element, left out by ContactOptions::wait_for_inverted
+  std::int64_t waiting_points = 0;  ///< pairs of a point and an element, left out by ContactOptions::wait_for_inverted,
+                                    ///< or choose_ways_off()
   std::int64_t path_queries = 0;    ///< pairs of a point and an element that were asked for a way out
   std::int64_t blocked_paths = 0;   ///< those without one
   std::int64_t pose_updates = 0;    ///< refits of the hierarchies over all elements and faces
@@ -56,6 +58,13 @@ struct ContactCloth {
   /// (n_vertices) half of the thickness at each, 0 where there is no cloth; empty: none [m]. Contacts hold what is near
   /// to cloth off by it, and by twice of it cloth from cloth. What is as near at rest is left alone.
   std::span<const double> thickness{};
+};
+
+/// How a connected piece of the mesh that colliders stand deep in gets off them: as a whole, in one direction.
+struct PieceWayOff {
+  Index vertex;    ///< one of the piece's
+  Vec3 direction;  ///< unit
+  double way;      ///< the longest of a collider's point out of the piece, the other way [m]
 };
 
 /// Contacts of a tetrahedral mesh with itself during a step: of its objects with one another and each with itself; and
@@ -104,6 +113,15 @@ class ContactFinder {
   /// Start of a step: splits boundary vertices and edges into penetrating and free ones.
   /// @throws Error  when the size differs or a position is not finite; so does find_contacts()
   void begin_step(std::span<const Vec3> positions_t0);
+
+  /// Chooses for each connected piece of the mesh in which colliders stand deeper than a quarter of an edge, in
+  /// whatever direction, the one in which it gets off them soonest, of some thirty and of those that are not blocked.
+  /// In the rest of the step the contacts of the colliders' points in the piece lead straight that way; points in
+  /// elements that are pressed flat have none, as these would be pressed on. For kHybrid with shortest paths and rest
+  /// positions; else there are none. O(elements) where there are any, and some thousand elements for each point inside.
+  /// @param is_blocked  by a vertex of the piece and the way by which the piece would move [m]
+  /// @throws Error      before the first begin_step()
+  std::vector<PieceWayOff> choose_ways_off(const std::function<bool(Index, const Vec3&)>& is_blocked);
 
   /// Contacts of the step that ends at the given positions, sorted by kind, then by what penetrates: for each point
   /// that is inside an element its way out; for each free vertex its first impact on a face; pairs of free edges that

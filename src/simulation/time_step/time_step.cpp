@@ -4,6 +4,7 @@
 #include "core/timed.h"
 #include "mesh/position_extent.h"
 #include "selvage/core/error.h"
+#include "simulation/cloth_pieces.h"
 #include "simulation/time_step/check_input.h"
 #include "simulation/time_step/deformation_damping.h"
 
@@ -21,17 +22,6 @@ constexpr double kTimeSlack = 1e-6;
 /// answer but a solver that diverges, as where colliders leave a body no volume, and contacts on such ways would take
 /// minutes to find.
 constexpr double kMaxThrow = 1000;
-
-/// Of cloth at each vertex; empty where none is thick [m].
-std::vector<double> half_thickness_of(const Model& model) {
-  std::vector<double> thickness;
-  for (const Body& body : model.bodies) {
-    if (!body.is_cloth() || !(body.cloth.thickness > 0)) continue;
-    thickness.resize(model.mesh.vertex_count(), 0.0);
-    std::fill_n(thickness.begin() + body.first_vertex, body.vertex_count, body.cloth.thickness / 2);
-  }
-  return thickness;
-}
 
 }  // namespace
 
@@ -133,6 +123,9 @@ void TimeStep::begin(const State& state, std::span<const Vec3> external_forces) 
   if (gate_) statistics_.unguarded_vertices = contact_finder_->statistics().unguarded_vertices;
   predict(state, external_forces);
   place_handles();
+  if (!gate_) return;
+  draw_off_.begin(*contact_finder_, model_, free_momentum_.pieces(), colliders_, step_, max_corrections_, vertices());
+  for (const Index v : draw_off_.vertices()) free_momentum_.hold(v);
 }
 
 /// Colliders' edges and corners, after the bodies' vertices.
@@ -378,7 +371,8 @@ void TimeStep::finish(State& state) {
   parallel_for(vertex_count(), kGrain, [&](std::int64_t i) {
     const auto v = static_cast<Index>(i);
     const Vec3 moved = position(v) - state.positions[v];
-    state.velocities[v] = (moved - depenetration_of(v, moved)) / options_.time_step;
+    const Vec3 drawn = draw_off_.way_of(v, free_momentum_.pieces());
+    state.velocities[v] = (moved - drawn - depenetration_of(v, moved)) / options_.time_step;
     state.positions[v] = position(v);
   });
   restore_free_momentum(state);
@@ -391,6 +385,8 @@ void TimeStep::finish(State& state) {
   ++state.steps;
   if (!sleep_) return;
   std::vector<Index> penetrating;
+  for (const Index v : draw_off_.vertices())
+    if (body_of_[v] != kNone) penetrating.push_back(body_of_[v]);
   if (contact_finder_)
     for (const Index v : contact_finder_->penetrating_vertices())
       if (v < vertex_count() && body_of_[v] != kNone) penetrating.push_back(body_of_[v]);

@@ -6,6 +6,7 @@
 #include "simulation/colliders/collider_surface.h"
 #include "simulation/colliders/project_colliders.h"
 #include "simulation/step.h"
+#include "simulation/time_step/draw_off.h"
 #include "simulation/time_step/free_momentum.h"
 #include "simulation/time_step/sleep.h"
 #include "simulation/time_step/step_gate.h"
@@ -123,7 +124,8 @@ class TimeStep {
   std::optional<ContactFinder> contact_finder_;  ///< none where the mode is kOff
   std::optional<Sleep> sleep_;                   ///< none where nothing sleeps
   std::optional<StepGate> gate_;                 ///< none where nothing is held back
-  bool no_impacts_ = false;                      ///< on the way to where vertices are now
+  DrawOff draw_off_;
+  bool no_impacts_ = false;  ///< on the way to where vertices are now
   std::vector<double> max_corrections_;
 
   Step step_{};

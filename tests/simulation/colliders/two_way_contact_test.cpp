@@ -140,8 +140,11 @@ TEST(TwoWayContact, WhatStartsInsideComesOutAndDoesNotFlyOff) {
 
 /// A needle through the middle of a block that stands on the floor, and a box in it.
 TEST(TwoWayContact, ABlockComesFreeOfWhatPiercesItGently) {
-  const std::array<std::array<Vec3, 2>, 2> pierced{
-      {{Vec3(-0.005, -0.005, 0), Vec3(0.005, 0.005, 0.8)}, {Vec3(-0.02, -0.08, 0.2), Vec3(0.08, 0.02, 0.3)}}};
+  // A needle, a box, and two plates: from below, and from one side to beyond the middle.
+  const std::array<std::array<Vec3, 2>, 4> pierced{{{Vec3(-0.005, -0.005, 0), Vec3(0.005, 0.005, 0.8)},
+                                                    {Vec3(-0.02, -0.08, 0.2), Vec3(0.08, 0.02, 0.3)},
+                                                    {Vec3(0.05, -0.15, 0), Vec3(0.07, 0.2, 0.3)},
+                                                    {Vec3(-0.013, -0.1, 0), Vec3(0.013, 0.5, 0.8)}}};
   for (const auto& [lower, upper] : pierced) {
     const std::array meshes{block({0, 0, 0.001})};
     Scenario scenario(meshes, Vec3::Zero());
@@ -152,6 +155,23 @@ TEST(TwoWayContact, ABlockComesFreeOfWhatPiercesItGently) {
     EXPECT_LT(scenario.fastest, 20);
     EXPECT_EQ(scenario.inverted, 0);
   }
+}
+
+/// What handles hold stays where they hold it, and what they do not comes off the needle.
+TEST(TwoWayContact, APinnedBlockIsNotDrawnOffWhatPiercesIt) {
+  const std::array meshes{block({0, 0, 0.001})};
+  Scenario scenario(meshes, Vec3::Zero());
+  scenario.add({-0.005, -0.005, 0.45}, {0.005, 0.005, 0.9});
+  for (Index v = 0; v < scenario.model.mesh.vertex_count(); ++v)
+    if (scenario.state.positions[v][2] < 0.1) scenario.model.inverse_masses[v] = 0;
+  const std::vector<Vec3> start = scenario.state.positions;
+  scenario.run(300);
+  for (Index v = 0; v < scenario.model.mesh.vertex_count(); ++v) {
+    const double moved = (scenario.state.positions[v] - start[v]).norm();
+    EXPECT_LE(moved, scenario.model.inverse_masses[v] > 0 ? 0.2 : 0.0);
+  }
+  EXPECT_LT(scenario.run(10), kDepth * kCell);
+  EXPECT_EQ(scenario.inverted, 0);
 }
 
 /// Boxes, needles and plates at random, one of which turns, under a block that falls.

@@ -1,4 +1,4 @@
-#include "contact/path_contact.h"
+#include "contact/ways_out/path_contact.h"
 
 #include "contact/input/contact_weights.h"
 #include "mesh/simplex_corners.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "contact/path_contact.h"
+#include "contact/ways_out/path_contact.h"
 
 namespace selvage {
 
@@ -14,7 +14,8 @@ namespace selvage {
 /// Points are in a tangle where a point shares a vertex, or a vertex of the element that it is in, with another. Those
 /// of one piece leave in a direction, those of the other against it. In one piece, the vertices of a point are of one
 /// part and those of the element that it is in of the other; where that contradicts itself, as in a fold, points keep
-/// their shortest paths. So do those of cloth, and those whose straight way ends nowhere. All colliders are one piece.
+/// their shortest paths. So do those of cloth and colliders, and
+/// those whose straight way ends nowhere.
 class CommonWaysOut {
  public:
   explicit CommonWaysOut(const TetMesh& mesh);
@@ -37,8 +38,6 @@ class CommonWaysOut {
   std::vector<Member> members_of(std::span<const PenetratingPoint> points) const;
   void append_members_in_own_piece(std::span<const PenetratingPoint> points, std::span<const Index> in_own_piece,
                                    std::vector<Member>& members) const;
-  BoundaryPath<3> straight_way(std::span<const Vec3> positions, const Vec3& point, Index element,
-                               const Vec3& direction) const;
   double length_behind(std::span<const Vec3> positions, const PenetratingPoint& point, const Vec3& direction) const;
   Vec3 best_direction(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
                       std::span<const BoundaryPath<3>> paths, std::span<const Member> members) const;

@@ -1,10 +1,9 @@
-#include "contact/common_ways_out.h"
+#include "contact/ways_out/common_ways_out.h"
 
+#include "contact/ways_out/straight_way.h"
 #include "core/parallel.h"
 #include "core/union_find.h"
 #include "mesh/simplex_corners.h"
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -17,20 +16,6 @@ namespace {
 constexpr double kAgreement = 0.5;
 /// Points of a tangle by which directions are compared.
 constexpr std::size_t kSamples = 64;
-/// Sine of the angle to a face below which a straight way does not leave by it.
-constexpr double kParallel = 1e-9;
-/// Elements on a straight way, at most.
-constexpr int kMaxElements = 1000;
-
-/// Towards the faces, edges and corners of a cube.
-std::vector<Vec3> directions_all_around() {
-  std::vector<Vec3> directions;
-  for (int x = -1; x <= 1; ++x)
-    for (int y = -1; y <= 1; ++y)
-      for (int z = -1; z <= 1; ++z)
-        if (x != 0 || y != 0 || z != 0) directions.push_back(Vec3(x, y, z).normalized());
-  return directions;
-}
 
 }  // namespace
 
@@ -48,10 +33,8 @@ std::vector<CommonWaysOut::Member> CommonWaysOut::members_of(std::span<const Pen
   std::vector<Index> in_own_piece;
   for (Index i = 0; i < std::ssize(points); ++i) {
     const PenetratingPoint& point = points[i];
-    const bool is_collider = is_of_collider(point);
-    if (!is_collider && mesh_.vertex_elements(point.vertices[0]).empty()) continue;  // of cloth
-    const Index own = is_collider ? kNone : pieces_[mesh_.vertex_elements(point.vertices[0]).front()],
-                other = pieces_[point.query.element];
+    if (is_of_collider(point) || mesh_.vertex_elements(point.vertices[0]).empty()) continue;  // or of cloth
+    const Index own = pieces_[mesh_.vertex_elements(point.vertices[0]).front()], other = pieces_[point.query.element];
     if (own == other) {
       in_own_piece.push_back(i);
       continue;
@@ -114,49 +97,6 @@ void CommonWaysOut::append_members_in_own_piece(std::span<const PenetratingPoint
   }
 }
 
-/// From element to element, by the face that the ray leaves first.
-BoundaryPath<3> CommonWaysOut::straight_way(std::span<const Vec3> positions, const Vec3& point, Index element,
-                                            const Vec3& direction) const {
-  BoundaryPath<3> path;
-  Index from = kNone;
-  double way = 0;
-  for (int visited = 0; visited < kMaxElements; ++visited) {
-    int exit = -1;
-    double nearest = HUGE_VAL;
-    for (int face = 0; face < 4; ++face) {
-      if (mesh_.neighbours()[element][face].exists() && mesh_.neighbours()[element][face].element() == from) continue;
-      const auto corners = corners_of(TetMesh::face_of(mesh_.elements()[element], face), positions);
-      const Vec3 normal = area_normal(corners);
-      const double speed = normal.dot(direction);
-      if (!(speed > kParallel * normal.norm())) continue;
-      const double at = normal.dot(corners[0] - point) / speed;
-      if (at < nearest) nearest = at, exit = face;
-    }
-    if (exit < 0) return path;
-    way = std::max(way, nearest);
-    const HalfFace across = mesh_.neighbours()[element][exit];
-    if (across.exists()) {
-      from = element;
-      element = across.element();
-      continue;
-    }
-    path.face = across.boundary_face();
-    path.point = point + way * direction;
-    path.distance = way;
-    path.normal = direction;
-    const auto corners = corners_of(mesh_.boundary_faces()[path.face], positions);
-    const Vec3 normal = area_normal(corners);
-    for (int i = 0; i < 3; ++i) {
-      const Vec3 &b = corners[(i + 1) % 3], &c = corners[(i + 2) % 3];
-      path.barycentric[i] = std::clamp(normal.dot((c - b).cross(path.point - b)) / normal.squaredNorm(), 0.0, 1.0);
-    }
-    path.barycentric /= path.barycentric.sum();
-    if (path.barycentric.allFinite() && path.point.allFinite()) path.status = PathStatus::kFound;
-    return path;
-  }
-  return path;
-}
-
 /// Of the point's own piece, from the point on: what must come out after it.
 double CommonWaysOut::length_behind(std::span<const Vec3> positions, const PenetratingPoint& point,
                                     const Vec3& direction) const {
@@ -174,7 +114,7 @@ double CommonWaysOut::length_behind(std::span<const Vec3> positions, const Penet
       leads_in &= area_normal(corners_of(TetMesh::face_of(element, face), positions)).dot(direction) < 0;
     }
     if (!leads_in) continue;
-    const BoundaryPath<3> way = straight_way(positions, point.query.point, e, direction);
+    const BoundaryPath<3> way = straight_way(mesh_, positions, point.query.point, e, direction);
     return way.status == PathStatus::kFound ? way.distance : 0;
   }
   return 0;
@@ -195,27 +135,17 @@ Vec3 CommonWaysOut::best_direction(std::span<const Vec3> positions, std::span<co
     spread += way * way.transpose();
   }
   if (!(sum.norm() < kAgreement * lengths)) return Vec3::Zero();
-  std::vector<Vec3> directions = directions_all_around();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
-  for (int k = 0; k < 3; ++k)
-    for (const double sign : {1.0, -1.0}) directions.push_back(sign * axes.eigenvectors().col(k));
   Vec3 best = Vec3::Zero();
   double shortest = HUGE_VAL;
   const std::size_t stride = (members.size() + kSamples - 1) / kSamples;
-  for (const Vec3& direction : directions) {
+  for (const Vec3& direction : directions_to_try(spread)) {
     double longest = 0;
-    // Of a collider, which has no elements, what is inside.
-    double last = HUGE_VAL;
-    for (const Member& member : members)
-      if (is_of_collider(points[member.point])) last = std::min(last, direction.dot(points[member.point].query.point));
-    const auto behind = [&](const PenetratingPoint& point, const Vec3& ahead) {
-      return is_of_collider(point) ? ahead.dot(point.query.point) - last : length_behind(positions, point, -ahead);
-    };
     for (std::size_t i = 0; i < members.size() && longest < shortest; i += stride) {
       const PenetratingPoint& point = points[members[i].point];
       const Vec3 ahead = members[i].side * direction;
-      const BoundaryPath<3> way = straight_way(positions, point.query.point, point.query.element, ahead);
-      if (way.status == PathStatus::kFound) longest = std::max(longest, way.distance + behind(point, ahead));
+      const BoundaryPath<3> way = straight_way(mesh_, positions, point.query.point, point.query.element, ahead);
+      if (way.status == PathStatus::kFound)
+        longest = std::max(longest, way.distance + length_behind(positions, point, -ahead));
     }
     if (longest < shortest) shortest = longest, best = direction;
   }
@@ -234,7 +164,7 @@ void CommonWaysOut::apply(std::span<const Vec3> positions, std::span<const Penet
     const Vec3 direction = best_direction(positions, points, paths, tangles[t]);
     if (direction.isZero(0)) return;
     for (const Member& member : tangles[t]) {
-      const BoundaryPath<3> way = straight_way(positions, points[member.point].query.point,
+      const BoundaryPath<3> way = straight_way(mesh_, positions, points[member.point].query.point,
                                                points[member.point].query.element, member.side * direction);
       if (way.status == PathStatus::kFound) paths[member.point] = way;
     }

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "selvage/contact/contact_finder.h"
+#include "simulation/colliders/prepared_collider.h"
+#include "simulation/step.h"
+#include "simulation/step_vertex.h"
+#include "simulation/time_step/pieces.h"
+
+namespace selvage {
+
+/// Draws pieces of bodies off the colliders that stand deep in them: as a whole, a little in each step, and without
+/// speed. Contacts alone would move the elements around the collider, which fold around it and are pressed flat where
+/// it is wide.
+class DrawOff {
+ public:
+  /// Moves vertices from where they were predicted. Blocked is a way on which a vertex of the boundary runs into a
+  /// collider, but for one between that and another, as under a wall on the floor. A piece with a vertex that something
+  /// holds is not drawn, but its contacts lead one way, the shortest.
+  /// @param max_corrections  (n_vertices) [m] a fifth of the least is the way of a step
+  /// @param vertices         (n_vertices) updated
+  void begin(ContactFinder& finder, const Model& model, const Pieces& pieces,
+             std::span<const PreparedCollider> colliders, const Step& step, std::span<const double> max_corrections,
+             std::span<StepVertex> vertices);
+
+  /// One vertex of each piece that is drawn in the step.
+  std::span<const Index> vertices() const { return drawn_; }
+
+  /// By how far a vertex is drawn in the step [m]. It gives no speed; and what is held in place gets the speed against
+  /// it, so that it is not pushed there again and again, and the material around comes to rest.
+  Vec3 way_of(Index vertex, const Pieces& pieces) const {
+    const Index piece = ways_.empty() ? kNone : pieces.of_vertex(vertex);
+    return piece == kNone ? Vec3(Vec3::Zero()) : ways_[piece];
+  }
+
+ private:
+  std::vector<Index> drawn_;
+  std::vector<Vec3> ways_;  ///< (n_pieces) [m]; empty: none is drawn
+};
+
+}  // namespace selvage
