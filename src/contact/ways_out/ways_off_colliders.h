@@ -45,7 +45,7 @@ class WaysOffColliders {
              std::span<BoundaryPath<3>> paths) const;
 
   /// Whether a point of a collider, in a piece with a way off, is in an element around which one was pressed to less
-  /// than a third of its rest volume at the start of the step: it would be pressed on.
+  /// than three tenths of its rest volume at the start of the step: it would be pressed on.
   bool waits(const PenetratingPoint& point) const;
 
  private:
