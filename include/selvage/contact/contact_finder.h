@@ -114,6 +114,7 @@ class ContactFinder {
   /// @throws Error  when the size differs or a position is not finite; so does find_contacts()
   void begin_step(std::span<const Vec3> positions_t0);
 
+  /// To be called, if at all, between begin_step() and find_contacts().
   /// Chooses for each connected piece of the mesh in which colliders stand deeper than a quarter of an edge, in
   /// whatever direction, the one in which it gets off them soonest, of some thirty and of those that are not blocked.
   /// In the rest of the step the contacts of the colliders' points in the piece lead straight that way; points in
