@@ -1,18 +1,7 @@
 #include "selvage/contact/contact_finder.h"
 
-#include "contact/closest_rules.h"
-#include "contact/contours/cloth_contours.h"
-#include "contact/impacts/impact_search.h"
-#include "contact/impacts/met_faces.h"
-#include "contact/impacts/near_contacts.h"
+#include "contact/contact_finder_impl.h"
 #include "contact/input/collider_triangles.h"
-#include "contact/input/inverted_vertices.h"
-#include "contact/penetration_search.h"
-#include "contact/tangled_vertices.h"
-#include "contact/tangles.h"
-#include "contact/ways_out/common_ways_out.h"
-#include "contact/ways_out/path_contact.h"
-#include "contact/ways_out/ways_off_colliders.h"
 #include "core/parallel.h"
 #include "core/timed.h"
 #include "mesh/position_extent.h"
@@ -21,81 +10,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <optional>
 
 namespace selvage {
-
-namespace {
-
-bool is_same_point(const Contact& a, const Contact& b) {
-  return a.kind == b.kind && a.point_feature == b.point_feature;
-}
-
-}  // namespace
-
-struct ContactFinder::Impl {
-  const TetMesh& mesh;
-  ContactOptions options;
-  TriangleMesh surface;
-  Index body_faces;  ///< of the boundary and of cloth
-  std::vector<Vec3> positions_t0;
-  std::optional<PenetrationSearch> search;
-  ImpactSearch impacts;
-  MetFaces met_faces;              ///< by the last search of impacts
-  std::optional<NearSearch> near;  ///< of thick cloth
-  std::optional<RestPoseRule> rest_pose;
-  std::optional<EuclideanRule> euclidean;
-  Contours contours;                    ///< of cloth at the start of the step; none but for kHybrid
-  std::optional<CommonWaysOut> common;  ///< of the shortest paths, where bodies penetrate at the start of steps only
-  std::optional<WaysOffColliders> off;  ///< likewise, where there are colliders and rest positions
-
-  std::vector<Index> inside;  ///< features of the search that penetrate at the start of the step
-  std::vector<std::uint8_t> is_inside;
-  std::vector<Index> inside_vertices, inside_edges;
-  TangledVertices tangled;    ///< at the start of the step; none but for kHybrid
-  InvertedVertices inverted;  ///< at the start of the step
-  std::vector<Index> pieces;  ///< connected component of each element; where whole tangles wait
-  ContactStatistics statistics;
-  bool has_begun = false;  ///< any step
-
-  Impl(const TetMesh& m, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
-       std::span<const Index> vertex_objects, ContactOptions o, std::span<const VertexTuple<3>> colliders,
-       ContactCloth cloth);
-
-  /// With the colliders'.
-  Index vertex_count() const { return surface.vertex_count(); }
-  std::span<const Vec3> of_mesh(std::span<const Vec3> positions) const { return positions.first(mesh.vertex_count()); }
-  SurfaceStep step_to(std::span<const Vec3> positions) const {
-    return {surface, positions_t0, positions, mesh.boundary_face_count(), body_faces};
-  }
-  bool is_of_collider(Index vertex) const { return vertex >= mesh.vertex_count(); }
-
-  bool uses_ccd() const {
-    return !options.interior_points && (options.mode == DetectionMode::kCcd || options.mode == DetectionMode::kHybrid);
-  }
-  bool splits() const { return !options.interior_points && options.mode == DetectionMode::kHybrid; }
-  bool uses_dcd() const {
-    return options.mode != DetectionMode::kOff && (options.interior_points || options.mode != DetectionMode::kCcd);
-  }
-
-  void begin_step(std::span<const Vec3> positions);
-  void split_features();
-  void find_contacts(std::span<const Vec3> positions, std::vector<Contact>& contacts);
-  std::vector<PenetratingPoint> find_boundary_points(std::span<const Vec3> positions);
-  void append_interior_points(std::span<const Vec3> positions, std::vector<PenetratingPoint>& points) const;
-  void place(std::span<const Vec3> positions);
-  std::vector<BoundaryPath<3>> find_ways_out(std::span<const PenetratingPoint> points, std::span<const Vec3> positions);
-  std::vector<PieceWayOff> choose_ways_off(const std::function<bool(Index, const Vec3&)>& is_blocked);
-  void append_paths(std::span<const Vec3> positions, std::vector<Contact>& contacts);
-  std::vector<std::uint8_t> leave_out_waiting(std::vector<PenetratingPoint>& points);
-  void append_ways_out(std::span<const Vec3> positions, std::vector<PenetratingPoint>& points,
-                       std::vector<Contact>& contacts);
-  ContinuousPairs find_pairs(std::span<const Vec3> positions);
-  StepImpacts find_impacts(std::span<const Vec3> positions);
-  StepImpacts find_untangled_impacts(std::span<const Vec3> positions);
-  void append_contacts(const StepImpacts& found, std::span<const Vec3> positions, std::vector<Contact>& contacts) const;
-  void append_near(std::vector<Contact>& contacts);
-};
 
 ContactFinder::Impl::Impl(const TetMesh& m, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
                           std::span<const Index> vertex_objects, ContactOptions o,
@@ -175,132 +91,16 @@ void ContactFinder::Impl::split_features() {
   statistics.penetrating_edges = std::ssize(inside_edges);
 }
 
-std::vector<PenetratingPoint> ContactFinder::Impl::find_boundary_points(std::span<const Vec3> positions) {
-  const auto found =
-      splits() ? search->find(inside, statistics.penetrations) : search->find_all(statistics.penetrations);
-  std::vector<PenetratingPoint> points;
-  for (const Penetration& p : found) {
-    if (search->is_edge(p.feature)) {
-      const Index edge = search->edge_of(p.feature);
-      points.push_back(penetrating_edge(edge, surface.edges()[edge], p.middle, p.element, positions));
-    } else {
-      points.push_back(penetrating_vertex(search->vertex_of(p.feature), p.element, positions));
-    }
-    PenetratingPoint& point = points.back();
-    if (is_of_collider(point.vertices[0])) point.query = PathQuery<3>::at(point.query.point, p.element);
-  }
-  return points;
-}
-
-/// Inner vertices and centroids, each with all elements that hold it and share no vertex with it.
-void ContactFinder::Impl::append_interior_points(std::span<const Vec3> positions,
-                                                 std::vector<PenetratingPoint>& points) const {
-  const PenetrationSearch::Interior interior = search->find_interior();
-  for (const auto& [vertex, element] : interior.vertices)
-    points.push_back(penetrating_vertex(vertex, element, positions));
-  for (const auto& [of_element, element] : interior.centroids)
-    points.push_back(penetrating_centroid(of_element, mesh.elements()[of_element], element, positions));
-}
-
-void ContactFinder::Impl::place(std::span<const Vec3> positions) {
-  timed(statistics.seconds_refit, [&] { search->place(positions); });
-  ++statistics.pose_updates;
-}
-
-std::vector<BoundaryPath<3>> ContactFinder::Impl::find_ways_out(std::span<const PenetratingPoint> points,
-                                                                std::span<const Vec3> positions) {
-  std::vector<PathQuery<3>> queries;
-  for (const PenetratingPoint& point : points) queries.push_back(point.query);
-  if (rest_pose) return rest_pose->find(queries, of_mesh(positions));
-  std::vector<PathCounters> counters(queries.size());
-  std::vector<BoundaryPath<3>> found = search->paths().find_paths(queries, {}, counters);
-  for (const PathCounters& counter : counters) statistics.paths += counter;
-  if (euclidean)
-    parallel_for(std::ssize(points), 64, [&](std::int64_t i) {
-      if (euclidean->applies_to(points[i])) found[i] = euclidean->find(points[i].query, positions);
-    });
-  if (common) common->apply(positions, points, found);
-  if (off) off->apply(positions, points, found);
-  return found;
-}
-
-std::vector<PieceWayOff> ContactFinder::Impl::choose_ways_off(
-    const std::function<bool(Index, const Vec3&)>& is_blocked) {
-  const bool is_any_inside =
-      std::any_of(inside_vertices.begin(), inside_vertices.end(), [&](Index v) { return is_of_collider(v); }) ||
-      std::any_of(inside_edges.begin(), inside_edges.end(),
-                  [&](Index e) { return is_of_collider(surface.edges()[e][0]); });
-  if (!off || !is_any_inside) return {};
-  std::vector<PenetratingPoint> points = find_boundary_points(positions_t0);
-  std::erase_if(points, [&](const PenetratingPoint& p) { return !is_of_collider(p.vertices[0]); });
-  return off->choose(positions_t0, points, is_blocked);
-}
-
-void ContactFinder::Impl::append_paths(std::span<const Vec3> positions, std::vector<Contact>& contacts) {
-  if (splits() && inside.empty()) return;
-  place(positions);
-  std::vector<PenetratingPoint> points;
-  timed(statistics.seconds_dcd, [&] {
-    points = find_boundary_points(positions);
-    if (options.interior_points) append_interior_points(positions, points);
+/// Removes what has to run into each other where pieces get off colliders.
+void ContactFinder::Impl::leave_out_let_in(ContinuousPairs& pairs) const {
+  const auto is_let_in = [&](Index one, Index other) {
+    return is_of_collider(one) != is_of_collider(other) && off->lets_in(std::min(one, other), std::max(one, other));
+  };
+  std::erase_if(pairs.vertex_face,
+                [&](const VertexFacePair& p) { return is_let_in(p.vertex, surface.triangles()[p.face][0]); });
+  std::erase_if(pairs.edge_edge, [&](const EdgeEdgePair& p) {
+    return is_let_in(surface.edges()[p.first][0], surface.edges()[p.second][0]);
   });
-  if (points.empty()) return;
-  timed(statistics.seconds_refit, [&] { search->prepare_paths(); });
-  // Inner vertices are listed after boundary ones, and edges between: each kind in one run, by its numbers.
-  std::stable_sort(points.begin(), points.end(), [](const PenetratingPoint& a, const PenetratingPoint& b) {
-    return std::pair(a.kind, a.feature) < std::pair(b.kind, b.feature);
-  });
-  timed(statistics.seconds_paths, [&] { append_ways_out(positions, points, contacts); });
-}
-
-/// Removes the points of tangles that have a vertex of an inverted element. They need no query for a way out.
-std::vector<std::uint8_t> ContactFinder::Impl::leave_out_waiting(std::vector<PenetratingPoint>& points) {
-  std::vector<std::uint8_t> waits(1, 0);
-  if (inverted.empty()) return waits;
-  waits.assign(number_tangles(mesh, pieces, points), 0);
-  for (const PenetratingPoint& p : points)
-    if (inverted.has_any(std::span(p.vertices).first(p.count), p.weights)) waits[p.tangle] = 1;
-  statistics.waiting_points += std::erase_if(points, [&](const PenetratingPoint& p) { return waits[p.tangle] != 0; });
-  return waits;
-}
-
-void ContactFinder::Impl::append_ways_out(std::span<const Vec3> positions, std::vector<PenetratingPoint>& points,
-                                          std::vector<Contact>& contacts) {
-  std::vector<std::uint8_t> waits = leave_out_waiting(points);
-  if (euclidean) euclidean->place(positions);
-  const std::vector<BoundaryPath<3>> found = find_ways_out(points, positions);
-  statistics.path_queries += std::ssize(points);
-  // By DCD alone, contacts are all that separates bodies. So a point that is not at an inverted element leaves also by
-  // a face that is: while it is inside, it keeps the element inverted.
-  for (std::size_t i = 0; i < points.size() && splits(); ++i)
-    if (found[i].status == PathStatus::kFound &&
-        inverted.has_any(mesh.boundary_faces()[found[i].face], found[i].barycentric))
-      waits[points[i].tangle] = 1;
-  std::size_t first = contacts.size();  // of those of the same point
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    statistics.waiting_points += waits[points[i].tangle];
-    if (waits[points[i].tangle] != 0) continue;
-    if (found[i].status != PathStatus::kFound) {
-      ++statistics.blocked_paths;
-      continue;
-    }
-    if (off && off->waits(points[i])) {
-      ++statistics.waiting_points;
-      continue;
-    }
-    const Contact contact = is_of_collider(points[i].vertices[0])
-                                ? collider_path_contact(mesh, positions, points[i], found[i])
-                                : path_contact(mesh, points[i], found[i]);
-    // A point between two elements is in both, and leaves them the same way.
-    const auto same = [&](const Contact& other) {
-      return other.surface_feature == contact.surface_feature && other.point == contact.point;
-    };
-    if (first < contacts.size() && !is_same_point(contacts[first], contact)) first = contacts.size();
-    // A way out that ends on a face of the point's own vertices can move none of them.
-    const bool moves = contact.count > 0 && !contact.normal.isZero(0);
-    if (!moves || std::any_of(contacts.begin() + first, contacts.end(), same)) continue;
-    contacts.push_back(contact);
-  }
 }
 
 /// All that meet on the way.
@@ -308,6 +108,7 @@ ContinuousPairs ContactFinder::Impl::find_pairs(std::span<const Vec3> positions)
   ContinuousPairs pairs = impacts.find_pairs(positions_t0, positions, statistics.continuous);
   if (splits()) met_faces.note(positions, pairs);
   if (!options.detect_edges) pairs.edge_edge.clear();
+  if (off && !off->empty() && !options.guarantee) leave_out_let_in(pairs);
   return pairs;
 }
 
@@ -391,9 +192,13 @@ void ContactFinder::begin_step(std::span<const Vec3> positions_t0) {
   impl_->begin_step(positions_t0);
 }
 
-std::vector<PieceWayOff> ContactFinder::choose_ways_off(const std::function<bool(Index, const Vec3&)>& is_blocked) {
+std::vector<PieceWayOff> ContactFinder::choose_ways_off(const std::function<bool(Index, const Vec3&)>& is_blocked,
+                                                        std::span<const ColliderPoint> on_faces) {
   if (!impl_->has_begun) throw Error("step", "has not begun", "call begin_step() first");
-  return impl_->choose_ways_off(is_blocked);
+  for (const ColliderPoint& point : on_faces)
+    if (point.vertex < impl_->mesh.vertex_count() || point.vertex >= impl_->vertex_count())
+      throw Error("on_faces", fmt::format("vertex {} is not of a collider", point.vertex));
+  return impl_->choose_ways_off(is_blocked, on_faces);
 }
 
 void ContactFinder::find_contacts(std::span<const Vec3> positions_t1, std::vector<Contact>& contacts) {

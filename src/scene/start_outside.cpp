@@ -1,6 +1,7 @@
 #include "scene/description/scene_description.h"
 #include "selvage/core/error.h"
 #include "simulation/colliders/prepared_collider.h"
+#include "simulation/crossings/collider_crossings.h"
 
 #include <fmt/format.h>
 
@@ -12,6 +13,8 @@ namespace {
 
 /// Part of a body's extent by which a vertex may start inside a collider: bodies are put down with rounded numbers.
 constexpr double kHair = 1e-4;
+
+const std::string kLift = R"("start_outside": "allow" lets it start there)";
 
 bool is_container(const Collider& collider) {
   return std::holds_alternative<BoxContainer>(collider.shape) || std::holds_alternative<Bowl>(collider.shape);
@@ -40,22 +43,20 @@ bool is_inside(std::span<const PreparedCollider> parts, const RigidTransform& pl
   });
 }
 
-[[noreturn]] void refuse(const std::string& file, const Body& body, std::ptrdiff_t count, std::size_t number,
-                         const Collider& collider) {
+[[noreturn]] void refuse_vertices(const std::string& file, const Body& body, std::ptrdiff_t count, std::size_t number,
+                                  const Collider& collider) {
   const std::string where = fmt::format("{}: body '{}'", file, body.name);
   const std::string start = fmt::format("{} of {} vertices start", count, body.vertex_count);
-  const std::string lift = R"("start_outside": "allow" lets it start there)";
   if (!is_container(collider))
-    throw Error(where, fmt::format("{} inside colliders[{}]", start, number), "move one of the two, or " + lift);
-  std::string remedy = "move one of the two, or " + lift;
+    throw Error(where, fmt::format("{} inside colliders[{}]", start, number), "move one of the two, or " + kLift);
+  std::string remedy = "move one of the two, or " + kLift;
   if (std::holds_alternative<BoxContainer>(collider.shape))
-    remedy = R"(a solid box is {"mesh": {"shape": "box"}}, and )" + lift;
+    remedy = R"(a solid box is {"mesh": {"shape": "box"}}, and )" + kLift;
   throw Error(where, fmt::format("{} outside colliders[{}], a container", start, number), remedy);
 }
 
-}  // namespace
-
-void check_start(const Scene& scene, const std::string& file) {
+/// Vertices of bodies that start on the wrong side.
+void check_vertices(const Scene& scene, const std::string& file) {
   std::vector<bool> is_held(scene.initial_state.positions.size());
   for (const Handle& handle : scene.handles)
     for (const Index v : handle.vertices) is_held[static_cast<std::size_t>(v)] = true;
@@ -69,9 +70,27 @@ void check_start(const Scene& scene, const std::string& file) {
       const double depth = kHair * extent_of(positions);
       const auto count =
           std::ranges::count_if(positions, [&](const Vec3& p) { return is_inside(parts, place, p, depth); });
-      if (count > 0) refuse(file, body, count, c, collider);
+      if (count > 0) refuse_vertices(file, body, count, c, collider);
     }
   }
+}
+
+/// Colliders that stand in bodies between their vertices: walls, plates, needles.
+void check_between_vertices(const Scene& scene, const std::string& file) {
+  ColliderCrossingFinder finder(scene.model, scene.colliders, scene.handles);
+  const std::vector<ColliderCrossings> found = finder.measure(scene.initial_state);
+  for (std::size_t c = 0; c < found.size(); ++c)
+    if (found[c].points > 0)
+      throw Error(fmt::format("{}: body '{}'", file, scene.model.bodies[static_cast<std::size_t>(found[c].body)].name),
+                  fmt::format("colliders[{}] starts in it, {:.3g} m deep", c, found[c].deepest_point),
+                  "move one of the two, or " + kLift);
+}
+
+}  // namespace
+
+void check_start(const Scene& scene, const std::string& file) {
+  check_vertices(scene, file);
+  check_between_vertices(scene, file);
 }
 
 }  // namespace selvage

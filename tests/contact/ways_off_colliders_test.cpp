@@ -15,6 +15,7 @@ namespace {
 struct Pierced {
   Vec3 lower, upper;  ///< of the needle
   double pressed = 1;
+  double cell = 0.1;  ///< of the needle
 
   solids::Solid plate = solids::box({-1, -1, -0.1}, {1, 1, 0.1}, 0.1);
   TetMesh mesh = plate.mesh();
@@ -28,8 +29,9 @@ struct Pierced {
 
   /// @param blocks  a direction
   std::vector<PieceWayOff> choose(
-      const Blocks& blocks = [](const Vec3&) { return false; }, bool has_rest = true) {
-    const solids::Solid needle = solids::box(lower, upper, 0.1);
+      const Blocks& blocks = [](const Vec3&) { return false; }, bool has_rest = true,
+      std::vector<ColliderPoint> on_faces = {}) {
+    const solids::Solid needle = solids::box(lower, upper, cell);
     const TetMesh needle_mesh = needle.mesh();
     for (Vec3& p : positions) p[2] *= pressed;
     positions.insert(positions.end(), needle.positions.begin(), needle.positions.end());
@@ -44,7 +46,8 @@ struct Pierced {
     };
     EXPECT_THROW(finder.choose_ways_off(is_blocked), Error);
     finder.begin_step(positions);
-    const auto ways = finder.choose_ways_off(is_blocked);
+    for (ColliderPoint& point : on_faces) point.vertex += mesh.vertex_count();
+    const auto ways = finder.choose_ways_off(is_blocked, on_faces);
     finder.find_contacts(positions, contacts);
     statistics = finder.statistics();
     return ways;
@@ -94,6 +97,24 @@ TEST(WaysOffColliders, AreThereOnlyWhereAColliderStandsDeep) {
   EXPECT_FALSE(shallow.contacts.empty());
   EXPECT_TRUE(shallow.asked.empty());
   EXPECT_TRUE(without_rest.choose([](const Vec3&) { return false; }, false).empty());
+}
+
+/// A wall that is wider than the plate, and higher: only its faces are inside, and diagonals of these.
+TEST(WaysOffColliders, LeadOffAWallAllThrough) {
+  const Vec3 lower(0.02, -1.4, -0.9), upper(0.06, 1.2, 0.5);
+  std::vector<ColliderPoint> on_faces;
+  for (double y = -1.35; y < 1.2; y += 0.1)
+    for (double z = -0.85; z < 0.5; z += 0.1)
+      for (const double x : {lower[0], upper[0]}) on_faces.push_back({Vec3(x, y, z), 0});
+  const auto not_across = [](const Vec3& direction) { return std::abs(direction[0]) > 0.3; };
+  Pierced pierced{lower, upper, 1, 9};
+  const auto ways = pierced.choose(not_across, true, on_faces);
+  ASSERT_EQ(ways.size(), 1u);
+  EXPECT_TRUE(ways[0].is_through);
+  EXPECT_LT((ways[0].direction - kUp).norm(), 1e-12);
+  // Its lower side has to come above the wall's upper end.
+  EXPECT_NEAR((pierced.asked.back() - 0.6 * kUp).norm(), 0, 1e-12);
+  EXPECT_THROW((Pierced{lower, upper}.choose(not_across, true, {{Vec3::Zero(), -1}})), Error);
 }
 
 TEST(WaysOffColliders, PressNoElementThatIsPressedFlat) {

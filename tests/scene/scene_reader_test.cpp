@@ -373,11 +373,27 @@ TEST(Scene, RefusesBodiesThatStartOutsideContainersOrInsideSolids) {
   }
 }
 
+TEST(Scene, RefusesCollidersThatStandInBodiesBetweenTheirVertices) {
+  const std::vector<std::pair<const char*, const char*>> cases{
+      {R"({"mesh": {"shape": "box", "size": [0.1, 9, 9]}, "translate": [0.2, -4, -4]})", "m deep"},
+      {R"({"mesh": {"shape": "box", "size": [0.1, 0.1, 1]}, "translate": [0.2, 0.2, 0.9]})", "0.1 m deep"},
+      {R"({"sphere": {"centre": [0.25, 0.25, 0.25], "radius": 0.4}})", "m deep"},
+      {R"({"cylinder": {"centre": [0.25, 0.25, 0], "axis": [0, 0, 1], "radius": 0.02, "length": 1}})", "m deep"},
+      {R"({"cylinder": {"centre": [0.25, 0, 0], "axis": [1, 0, 0], "radius": 9, "length": 0.1}})", "m deep"},
+  };
+  for (const auto& [collider, depth] : cases) {
+    const std::string said = build_refusal(block_beside(collider));
+    EXPECT_EQ(said.find("folder/whole.json: body 'block': colliders[1] starts in it, "), 0u) << collider << said;
+    EXPECT_NE(said.find(depth), std::string::npos) << said;
+    EXPECT_NE(said.find(R"("start_outside": "allow")"), std::string::npos) << said;
+    EXPECT_EQ(build_refusal(block_beside(collider, R"(, "start_outside": "allow")")), "accepted") << collider;
+  }
+}
+
 TEST(Scene, AcceptsBodiesThatTouchCollidersOrArePinnedInThem) {
   for (const char* collider : {R"({"box": {"min": [0, 0, 0], "max": [1, 1, 1]}})",
                                R"({"plane": {"point": [0, 0, 0.00005], "normal": [0, 0, 1]}})",
-                               R"({"mesh": {"shape": "box", "size": [1, 1, 1]}, "translate": [1, 0, 0]})",
-                               R"({"sphere": {"centre": [0.25, 0.25, 0.25], "radius": 0.4}})"})
+                               R"({"mesh": {"shape": "box", "size": [1, 1, 1]}, "translate": [1, 0, 0]})"})
     EXPECT_EQ(build_refusal(block_beside(collider)), "accepted") << collider;
   const char* floor = R"({"plane": {"point": [0, 0, 0.1], "normal": [0, 0, 1]}})";
   const char* pin = R"(, "pinned": [{"plane": {"point": [0, 0, 0.1], "normal": [0, 0, -1]}}])";

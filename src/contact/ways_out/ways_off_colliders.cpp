@@ -16,8 +16,25 @@ namespace {
 
 /// Part of an edge at rest by which a collider stands deep in a piece. What is less deep comes out by contacts alone.
 constexpr double kDeep = 0.25;
+/// Times its length by which a way leads past what it has to, not just up to it.
+constexpr double kBeyond = 1.001;
 /// Part of its rest volume below which an element is pressed.
 constexpr double kPressed = 0.3;
+
+/// Those of some points that are inside, once for each element.
+std::vector<PenetratingPoint> inside_of(const PointLocator<3>& locator, std::span<const ColliderPoint> on_faces) {
+  std::vector<PenetratingPoint> points;
+  std::vector<Vec3> positions;
+  for (const ColliderPoint& point : on_faces) positions.push_back(point.position);
+  const LocatedPoints<3> located = locator.locate(positions);
+  for (std::size_t i = 0; i < on_faces.size(); ++i)
+    for (std::int64_t q = located.first[i]; q < located.first[i + 1]; ++q) {
+      PenetratingPoint& point = points.emplace_back();
+      point.vertices[0] = on_faces[i].vertex;
+      point.query = located.queries[q];
+    }
+  return points;
+}
 
 /// Six times the volume of an element.
 double volume_of(const VertexTuple<4>& element, std::span<const Vec3> positions) {
@@ -55,6 +72,16 @@ bool WaysOffColliders::waits(const PenetratingPoint& point) const {
   return false;
 }
 
+bool WaysOffColliders::lets_in(Index of_mesh, Index of_collider) const {
+  const auto elements = mesh_.vertex_elements(of_mesh);
+  if (empty() || elements.empty()) return false;
+  const Index piece = pieces_[elements[0]];
+  return std::any_of(chosen_.begin(), chosen_.end(), [&](const Chosen& chosen) {
+    return chosen.piece == piece &&
+           std::binary_search(chosen.parts.begin(), chosen.parts.end(), colliders_[of_collider]);
+  });
+}
+
 void WaysOffColliders::apply(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
                              std::span<BoundaryPath<3>> paths) const {
   for (std::size_t i = 0; i < points.size() && !empty(); ++i) {
@@ -90,12 +117,19 @@ std::vector<BoundaryPath<3>> WaysOffColliders::straight_ways(std::span<const Vec
   return ways;
 }
 
-/// Vertices of the parts of colliders that points are of, no farther from the piece than it is large.
-std::vector<Vec3> WaysOffColliders::beside(std::span<const Vec3> positions,
-                                           std::span<const PenetratingPoint> points) const {
+/// Parts of colliders that points are of, ascending.
+std::vector<Index> WaysOffColliders::parts_of(std::span<const PenetratingPoint> points) const {
   std::vector<Index> parts;
   for (const PenetratingPoint& point : points) parts.push_back(colliders_[point.vertices[0]]);
   std::sort(parts.begin(), parts.end());
+  parts.erase(std::unique(parts.begin(), parts.end()), parts.end());
+  return parts;
+}
+
+/// Points of the parts of colliders that some points are of, no farther from the piece than it is large.
+std::vector<Vec3> WaysOffColliders::beside(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
+                                           std::span<const ColliderPoint> on_faces) const {
+  const std::vector<Index> parts = parts_of(points);
   Eigen::AlignedBox3d box;
   for (Index e = 0; e < mesh_.element_count(); ++e)
     if (pieces_[e] == pieces_[points[0].query.element])
@@ -103,15 +137,18 @@ std::vector<Vec3> WaysOffColliders::beside(std::span<const Vec3> positions,
   const Vec3 size = Vec3::Constant(box.sizes().maxCoeff());
   box = Eigen::AlignedBox3d(box.min() - size, box.max() + size);
   std::vector<Vec3> near;
-  for (std::size_t v = mesh_.vertex_count(); v < positions.size(); ++v)
-    if (std::binary_search(parts.begin(), parts.end(), colliders_[v]) && box.contains(positions[v]))
-      near.push_back(positions[v]);
+  const auto keep = [&](const Vec3& position, Index vertex) {
+    if (box.contains(position) && std::binary_search(parts.begin(), parts.end(), colliders_[vertex]))
+      near.push_back(position);
+  };
+  for (Index v = mesh_.vertex_count(); v < std::ssize(positions); ++v) keep(positions[v], v);
+  for (const ColliderPoint& point : on_faces) keep(point.position, point.vertex);
   return near;
 }
 
 /// Of the piece that all points are in; empty where it is not deep.
-std::vector<WayOff> WaysOffColliders::ways_of(std::span<const Vec3> positions,
-                                              std::span<const PenetratingPoint> points) const {
+std::vector<WayOff> WaysOffColliders::ways_of(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
+                                              std::span<const Vec3> near) const {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const PenetratingPoint& point : points) mean += point.query.point / static_cast<double>(points.size());
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
@@ -129,7 +166,6 @@ std::vector<WayOff> WaysOffColliders::ways_of(std::span<const Vec3> positions,
     for (const BoundaryPath<3>& exit : exits.back()) ways.back().way = std::max(ways.back().way, exit.distance);
     if (!(ways.back().way > kDeep * edge)) return {};
   }
-  const std::vector<Vec3> near = beside(positions, points);
   for (std::size_t d = 0; d < ways.size(); ++d) {
     ways[d].length = ways[d].way;
     for (const Vec3& p : near) {
@@ -143,20 +179,45 @@ std::vector<WayOff> WaysOffColliders::ways_of(std::span<const Vec3> positions,
   return ways;
 }
 
-std::vector<PieceWayOff> WaysOffColliders::choose(std::span<const Vec3> positions,
-                                                  std::span<const PenetratingPoint> points,
+/// Whether a point of a collider is inside the piece when that has moved.
+bool WaysOffColliders::ends_inside(const PointLocator<3>& locator, std::span<const Vec3> near, Index piece,
+                                   const WayOff& off) const {
+  std::vector<Vec3> ends;
+  for (const Vec3& p : near) ends.push_back(p - kBeyond * off.length * off.direction);
+  const LocatedPoints<3> located = locator.locate(ends);
+  return std::any_of(located.queries.begin(), located.queries.end(),
+                     [&](const PathQuery<3>& query) { return pieces_[query.element] == piece; });
+}
+
+std::vector<PieceWayOff> WaysOffColliders::choose(std::span<const Vec3> positions, const PointLocator<3>& locator,
+                                                  std::span<const PenetratingPoint> on_surfaces,
+                                                  std::span<const ColliderPoint> on_faces,
                                                   const std::function<bool(Index, const Vec3&)>& is_blocked) {
-  std::map<Index, std::vector<PenetratingPoint>> of_pieces;
-  for (const PenetratingPoint& point : points) of_pieces[pieces_[point.query.element]].push_back(point);
+  struct Inside {
+    std::vector<PenetratingPoint> on_surfaces, on_faces;
+  };
+  std::map<Index, Inside> of_pieces;
+  for (const PenetratingPoint& p : on_surfaces) of_pieces[pieces_[p.query.element]].on_surfaces.push_back(p);
+  for (const PenetratingPoint& p : inside_of(locator, on_faces))
+    of_pieces[pieces_[p.query.element]].on_faces.push_back(p);
   std::vector<PieceWayOff> chosen;
-  for (const auto& [piece, own] : of_pieces) {
-    const Index vertex = mesh_.elements()[own[0].query.element][0];
-    for (const WayOff& off : ways_of(positions, own)) {
+  for (auto& [piece, inside] : of_pieces) {
+    std::vector<PenetratingPoint>& points = inside.on_surfaces;
+    const bool is_through = inside.on_faces.size() > points.size();
+    if (is_through) points.insert(points.end(), inside.on_faces.begin(), inside.on_faces.end());
+    const std::vector<Vec3> near = beside(positions, points, is_through ? on_faces : std::span<const ColliderPoint>());
+    const std::vector<WayOff> ways = ways_of(positions, points, near);
+    const Index vertex = mesh_.elements()[points[0].query.element][0];
+    const WayOff* best = nullptr;
+    for (const WayOff& off : ways) {
       if (is_blocked(vertex, off.length * off.direction)) continue;
-      chosen.push_back({vertex, off.direction, off.way});
-      chosen_.push_back({piece, off.direction});
-      break;
+      const bool is_off = !is_through || !ends_inside(locator, near, piece, off);
+      if (best == nullptr || is_off) best = &off;
+      if (is_off) break;
     }
+    if (best == nullptr) continue;
+    chosen.push_back({vertex, best->direction, best->way, is_through});
+    chosen_.push_back({piece, best->direction, is_through ? parts_of(points) : std::vector<Index>()});
   }
   if (!empty()) start_positions_.assign(positions.begin(), positions.end());
   return chosen;

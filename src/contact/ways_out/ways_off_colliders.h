@@ -32,9 +32,13 @@ class WaysOffColliders {
   /// collider that is beside it is beyond a face by which some point leaves it: an upper bound where the piece is
   /// convex. O(elements), and for each of some thirty directions O(points (elements on their ways + vertices beside)).
   /// @param positions   (n_vertices) at the start of the step, of the mesh, then of colliders [m]
-  /// @param points      of colliders, each in its element
+  /// @param locator     of the mesh, there
+  /// @param on_surfaces  of colliders' surfaces, each in its element
+  /// @param on_faces    inside or not; they count for pieces in which more of them are than of the others
   /// @param is_blocked  by a vertex of the piece and the way by which the piece would move [m]
-  std::vector<PieceWayOff> choose(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
+  std::vector<PieceWayOff> choose(std::span<const Vec3> positions, const PointLocator<3>& locator,
+                                  std::span<const PenetratingPoint> on_surfaces,
+                                  std::span<const ColliderPoint> on_faces,
                                   const std::function<bool(Index, const Vec3&)>& is_blocked);
 
   bool empty() const { return chosen_.empty(); }
@@ -48,19 +52,28 @@ class WaysOffColliders {
   /// than three tenths of its rest volume at the start of the step: it would be pressed on.
   bool waits(const PenetratingPoint& point) const;
 
+  /// Whether a vertex of the mesh is of a piece with a way off, and another of a collider that stands all through it:
+  /// then the edges of the collider have to run into the piece on that way.
+  bool lets_in(Index of_mesh, Index of_collider) const;
+
  private:
   /// By the number of the piece.
   struct Chosen {
     Index piece;
     Vec3 direction;
+    std::vector<Index> parts;  ///< of colliders that stand all through it, ascending
   };
 
   const Chosen* chosen_for(const PenetratingPoint& point) const;
   double edge_at(Index element) const;
   std::vector<BoundaryPath<3>> straight_ways(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
                                              const Vec3& direction) const;
-  std::vector<Vec3> beside(std::span<const Vec3> positions, std::span<const PenetratingPoint> points) const;
-  std::vector<WayOff> ways_of(std::span<const Vec3> positions, std::span<const PenetratingPoint> points) const;
+  std::vector<Index> parts_of(std::span<const PenetratingPoint> points) const;
+  std::vector<Vec3> beside(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
+                           std::span<const ColliderPoint> on_faces) const;
+  std::vector<WayOff> ways_of(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
+                              std::span<const Vec3> near) const;
+  bool ends_inside(const PointLocator<3>& locator, std::span<const Vec3> near, Index piece, const WayOff& off) const;
 
   const TetMesh& mesh_;
   std::vector<Vec3> rest_positions_, start_positions_;

@@ -3,8 +3,10 @@
 #include "core/parallel.h"
 #include "selvage/geometry/predicates.h"
 #include "simulation/colliders/prepared_collider.h"
+#include "simulation/colliders/sample_face.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace selvage {
 
@@ -12,6 +14,8 @@ namespace {
 
 /// Spacing of a collider's points over the cell of the body that they are looked for in.
 constexpr double kSpacing = 0.25;
+/// The same of its faces, of which far more are beside a body than are ever in one.
+constexpr double kSpacingOnFaces = 1;
 
 /// A box around a box that is moved back to the coordinates of a collider.
 Eigen::AlignedBox3d to_local(const Eigen::AlignedBox3d& box, const RigidTransform& place) {
@@ -50,6 +54,7 @@ void ColliderCrossings::add(const ColliderCrossings& other) {
   points += other.points;
   deepest_vertex = std::max(deepest_vertex, other.deepest_vertex);
   deepest_point = std::max(deepest_point, other.deepest_point);
+  if (other.deepest_in_cells > deepest_in_cells) body = other.body;
   deepest_in_cells = std::max(deepest_in_cells, other.deepest_in_cells);
 }
 
@@ -99,6 +104,17 @@ ColliderCrossingFinder& ColliderCrossingFinder::operator=(ColliderCrossingFinder
 
 std::vector<ColliderCrossings> ColliderCrossingFinder::measure(const BoundaryPathFinder<3>& finder,
                                                                const State& state) {
+  return measure_with(state, [&]() -> const BoundaryPathFinder<3>& { return finder; });
+}
+
+std::vector<ColliderCrossings> ColliderCrossingFinder::measure(const State& state) {
+  std::optional<BoundaryPathFinder<3>> finder;
+  return measure_with(state,
+                      [&]() -> const BoundaryPathFinder<3>& { return finder.emplace(model_->mesh, state.positions); });
+}
+
+template <typename MakeFinder>
+std::vector<ColliderCrossings> ColliderCrossingFinder::measure_with(const State& state, MakeFinder&& make_finder) {
   std::vector<ColliderCrossings> results(colliders_.size());
   if (colliders_.empty()) return results;
   place_keyframed(state.time);
@@ -109,7 +125,7 @@ std::vector<ColliderCrossings> ColliderCrossingFinder::measure(const BoundaryPat
       measure_vertices(c, b, pose, results[c]);
       sample_points(c, b, pose, samples);
     }
-  measure_points(finder, pose, samples, results);
+  if (!samples.empty()) measure_points(make_finder(), pose, samples, results);
   return results;
 }
 
@@ -143,14 +159,14 @@ void ColliderCrossingFinder::measure_vertices(std::size_t collider, std::size_t 
             const auto hit = std::visit([&](const auto& shape) { return find_hit(shape, own); }, part->shape);
             if (hit) depth = std::max(depth, hit->depth);
           }
-          piece.add({depth > kMinCrossing * cell, depth, 0, 0, depth / cell});
+          piece.add({depth > kMinCrossing * cell, depth, 0, 0, depth / cell, static_cast<Index>(body)});
         }
       }));
 }
 
 void ColliderCrossingFinder::sample_points(std::size_t collider, std::size_t body, const Pose& pose,
                                            std::vector<Sample>& samples) const {
-  const double spacing = kSpacing * cells_[body];
+  const double spacing = kSpacing * cells_[body], face_spacing = kSpacingOnFaces * cells_[body];
   const bool has_mesh = is_mesh(colliders_[collider]);
   const ColliderFeatures made = has_mesh ? ColliderFeatures() : find_features(colliders_[collider], spacing);
   const ColliderFeatures& features = has_mesh ? mesh_features_[collider] : made;
@@ -166,6 +182,7 @@ void ColliderCrossingFinder::sample_points(std::size_t collider, std::size_t bod
     curve.v = place.rotation * curve.v;
     sample_curve(curve, curve.first, curve.last, box, spacing, keep);
   }
+  for (const auto& [a, b, c] : features.faces) sample_face({place(a), place(b), place(c)}, box, face_spacing, keep);
 }
 
 void ColliderCrossingFinder::measure_points(const BoundaryPathFinder<3>& finder, const Pose& pose,
@@ -202,7 +219,8 @@ void ColliderCrossingFinder::measure_points(const BoundaryPathFinder<3>& finder,
       else
         is_blocked = true;
     const double cell = cells_[sample.body];
-    results[sample.collider].add({0, 0, is_blocked || depth > kMinCrossing * cell, depth, depth / cell});
+    results[sample.collider].add(
+        {0, 0, is_blocked || depth > kMinCrossing * cell, depth, depth / cell, static_cast<Index>(sample.body)});
   }
 }
 

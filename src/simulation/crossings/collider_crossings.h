@@ -12,10 +12,10 @@ struct PreparedCollider;
 
 /// Measures how far bodies and colliders stand in one another, in any pose and whatever led to it.
 ///
-/// Vertices are measured exactly. The collider's own points are its corners, and points of its edges and of its round
-/// sides (find_features()) at most a quarter of a cell apart: what reaches into a body between two of them by more than
-/// they say is smaller than that. Vertices that a handle holds, and elements held by all four, are left out: nothing
-/// but their handles moves them.
+/// Vertices are measured exactly. The collider's own points are its corners, points of its edges and of its round sides
+/// (find_features()) at most a quarter of a cell apart, and points of its faces at most a cell apart: what reaches into
+/// a body between two of them by more than they say is smaller than that. Vertices that a handle holds, and elements
+/// held by all four, are left out: nothing but their handles moves them.
 class ColliderCrossingFinder {
  public:
   /// @param model   must outlive the finder, as must colliders and handles
@@ -28,10 +28,14 @@ class ColliderCrossingFinder {
   /// One answer a collider.
   /// @param finder  of the model's mesh, in the state's pose
   std::vector<ColliderCrossings> measure(const BoundaryPathFinder<3>& finder, const State& state);
+  /// The same with a finder of its own, which it makes only where a collider is near a body.
+  std::vector<ColliderCrossings> measure(const State& state);
 
  private:
   struct Pose;
   struct Sample;
+  template <typename MakeFinder>
+  std::vector<ColliderCrossings> measure_with(const State& state, MakeFinder&& make_finder);
   void place_keyframed(double time);
   void measure_vertices(std::size_t collider, std::size_t body, const Pose& pose, ColliderCrossings& result) const;
   void sample_points(std::size_t collider, std::size_t body, const Pose& pose, std::vector<Sample>& samples) const;

@@ -15,6 +15,8 @@ using std::numbers::pi;
 /// A body with straight edges sinks into a round shape of radius r by at most h^2 / 8r, h the length of its edges: with
 /// four spacings an edge, 1/50 of h at this radius.
 constexpr double kMaxRoundness = 25;
+/// Triangles of the polygon that stands for an end of a cylinder.
+constexpr int kEndTriangles = 32;
 
 ColliderCurve ring(const Vec3& centre, const Vec3& axis, double radius) {
   const auto [u, v] = across(axis);
@@ -30,7 +32,7 @@ ColliderFeatures features_of(const BoxContainer&, double) {
 }
 
 ColliderFeatures features_of(const Bowl& bowl, double) {
-  return {{}, {ring(bowl.centre, bowl.axis.normalized(), bowl.radius)}};
+  return {{}, {ring(bowl.centre, bowl.axis.normalized(), bowl.radius)}, {}};
 }
 
 ColliderFeatures features_of(const SphereShape& sphere, double spacing) {
@@ -51,8 +53,13 @@ ColliderFeatures features_of(const SphereShape& sphere, double spacing) {
 ColliderFeatures features_of(const CylinderShape& cylinder, double spacing) {
   const Vec3 axis = cylinder.axis.normalized(), half = cylinder.length / 2 * axis;
   ColliderFeatures features;
-  for (const double side : {-1.0, 1.0})
-    features.curves.push_back(ring(cylinder.centre + side * half, axis, cylinder.radius));
+  for (const double side : {-1.0, 1.0}) {
+    const ColliderCurve rim = ring(cylinder.centre + side * half, axis, cylinder.radius);
+    features.curves.push_back(rim);
+    for (int i = 0; i < kEndTriangles; ++i)
+      features.faces.push_back(
+          {rim.middle, rim.point(2 * pi * i / kEndTriangles), rim.point(2 * pi * (i + 1) / kEndTriangles)});
+  }
   if (cylinder.radius > kMaxRoundness * spacing) return features;
   const ColliderCurve rim = features.curves[0];
   const int lines = std::max(4, static_cast<int>(std::ceil(2 * pi * cylinder.radius / spacing)));
@@ -105,6 +112,8 @@ ColliderFeatures features_of(const MeshShape& shape, double) {
   std::sort(corners.begin(), corners.end());
   corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
   for (const auto& corner : corners) features.points.emplace_back(corner.data());
+  const auto at = [&](Index v) -> const Vec3& { return shape.positions[static_cast<std::size_t>(v)]; };
+  for (const auto& [a, b, c] : shape.triangles) features.faces.push_back({at(a), at(b), at(c)});
   return features;
 }
 

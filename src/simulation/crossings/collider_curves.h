@@ -4,6 +4,9 @@
 
 #include <Eigen/Geometry>
 
+#include <array>
+#include <vector>
+
 namespace selvage {
 
 /// A straight line or an arc on a collider, by a parameter that runs from `first` to `last`.
@@ -18,14 +21,16 @@ struct ColliderCurve {
   double length() const { return u.norm() * (last - first); }
 };
 
-/// Points and curves of a collider, in its own coordinates, that can stand in a body whose vertices are all outside.
+/// What of a collider, in its own coordinates, can stand in a body whose vertices are all outside.
 struct ColliderFeatures {
   std::vector<Vec3> points;
   std::vector<ColliderCurve> curves;
+  std::vector<std::array<Vec3, 3>> faces;
 };
 
-/// Corners and edges of a mesh, the rim of a bowl, rims and lines along the side of a cylinder, rings of a sphere. A
-/// plane and a box, which is a container, have none: what crosses them has vertices on their far side.
+/// Corners, edges and faces of a mesh, the rim of a bowl, ends and lines along the side of a cylinder, rings of a
+/// sphere. A plane and a box, which is a container, have none: what crosses them has vertices on their far side. Faces
+/// are there for a wall or a disk all through a body: none of its edges is inside.
 ///
 /// An edge at which a mesh is flat or hollow is left out. So is the side of a cylinder, or a sphere, of more than
 /// kMaxRoundness spacings in radius: a body on it touches it nearly as a plane.

@@ -1,5 +1,6 @@
 #include "simulation/time_step/draw_off.h"
 
+#include "mesh/position_extent.h"
 #include "simulation/colliders/passage.h"
 
 #include <algorithm>
@@ -61,10 +62,37 @@ bool any_vertex(Index count, Predicate&& predicate) {
       .value;
 }
 
+/// Points of colliders' faces at the start of a step that lie in the box around all bodies.
+std::vector<ColliderPoint> points_near(const Model& model, std::span<const PreparedCollider> colliders,
+                                       const ColliderSurface& surface, const Step& step) {
+  std::vector<ColliderPoint> points;
+  if (surface.face_points.empty()) return points;
+  const PositionExtent<3> extent = extent_of<3>(step.positions.first(model.mesh.vertex_count()));
+  const Eigen::AlignedBox3d box(extent.lower, extent.upper);
+  std::vector<RigidTransform> places;
+  for (const PreparedCollider& collider : colliders) places.push_back(collider.motion.at(step.start_time));
+  for (const auto& [position, vertex] : surface.face_points)
+    if (const Vec3 p = places[surface.collider_of_vertices[vertex]](position); box.contains(p))
+      points.push_back({p, model.mesh.vertex_count() + vertex});
+  return points;
+}
+
+/// What takes from a piece its mean motion against a direction.
+Vec3 against(std::span<const StepVertex> vertices, const Step& step, const Pieces& pieces, Index piece,
+             const Vec3& direction) {
+  double sum = 0, mass = 0;
+  for (Index v = 0; v < std::ssize(vertices); ++v) {
+    if (pieces.of_vertex(v) != piece) continue;
+    sum += (position(vertices[v]) - step.positions[v]).dot(direction) / vertices[v].inverse_mass;
+    mass += 1 / vertices[v].inverse_mass;
+  }
+  return std::max(-sum / mass, 0.0) * direction;
+}
+
 }  // namespace
 
 void DrawOff::begin(ContactFinder& finder, const Model& model, const Pieces& pieces,
-                    std::span<const PreparedCollider> colliders, const Step& step,
+                    std::span<const PreparedCollider> colliders, const ColliderSurface& surface, const Step& step,
                     std::span<const double> max_corrections, std::span<StepVertex> vertices) {
   drawn_.clear();
   ways_.clear();
@@ -79,7 +107,7 @@ void DrawOff::begin(ContactFinder& finder, const Model& model, const Pieces& pie
              is_stopped(colliders, step.start_time, step.positions[v], way, kContactGap * max_corrections[v]);
     });
   };
-  for (const PieceWayOff& off : finder.choose_ways_off(is_blocked)) {
+  for (const PieceWayOff& off : finder.choose_ways_off(is_blocked, points_near(model, colliders, surface, step))) {
     const Index piece = pieces.of_vertex(off.vertex);
     if (is_held(piece)) continue;
     double length = off.way;
@@ -88,8 +116,10 @@ void DrawOff::begin(ContactFinder& finder, const Model& model, const Pieces& pie
     drawn_.push_back(off.vertex);
     ways_.resize(pieces.count(), Vec3::Zero());
     ways_[piece] = length * off.direction;
+    // Contacts hold it else.
+    const Vec3 hold = off.is_through ? against(vertices, step, pieces, piece, off.direction) : Vec3(Vec3::Zero());
     for (Index v = 0; v < count; ++v)
-      if (pieces.of_vertex(v) == piece) position(vertices[v]) += ways_[piece];
+      if (pieces.of_vertex(v) == piece) position(vertices[v]) += ways_[piece] + hold;
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "selvage/contact/contact_finder.h"
+#include "simulation/colliders/collider_surface.h"
 #include "simulation/colliders/prepared_collider.h"
 #include "simulation/step.h"
 #include "simulation/step_vertex.h"
@@ -16,11 +17,12 @@ class DrawOff {
   /// Moves vertices from where they were predicted. Blocked is a way on which a vertex of the boundary runs into a
   /// collider, but for one between that and another, as under a wall on the floor. A piece with a vertex that something
   /// holds is not drawn, but its contacts lead one way, the shortest.
+  /// @param surface          of the colliders
   /// @param max_corrections  (n_vertices) [m] a fifth of the least is the way of a step
   /// @param vertices         (n_vertices) updated
   void begin(ContactFinder& finder, const Model& model, const Pieces& pieces,
-             std::span<const PreparedCollider> colliders, const Step& step, std::span<const double> max_corrections,
-             std::span<StepVertex> vertices);
+             std::span<const PreparedCollider> colliders, const ColliderSurface& surface, const Step& step,
+             std::span<const double> max_corrections, std::span<StepVertex> vertices);
 
   /// One vertex of each piece that is drawn in the step.
   std::span<const Index> vertices() const { return drawn_; }

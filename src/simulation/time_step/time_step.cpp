@@ -124,7 +124,8 @@ void TimeStep::begin(const State& state, std::span<const Vec3> external_forces) 
   predict(state, external_forces);
   place_handles();
   if (!gate_) return;
-  draw_off_.begin(*contact_finder_, model_, free_momentum_.pieces(), colliders_, step_, max_corrections_, vertices());
+  draw_off_.begin(*contact_finder_, model_, free_momentum_.pieces(), colliders_, collider_surface_, step_,
+                  max_corrections_, vertices());
   for (const Index v : draw_off_.vertices()) free_momentum_.hold(v);
 }
 

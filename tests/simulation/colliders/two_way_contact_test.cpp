@@ -41,6 +41,16 @@ struct Scenario {
     }
   }
 
+  /// Points of one side of a box, across the first axis.
+  void add_side(const Vec3& lower, const Vec3& upper) {
+    constexpr int kParts = 20;
+    for (int i = 0; i <= kParts; ++i)
+      for (int k = 0; k <= kParts; ++k) {
+        points.push_back(lower + (upper - lower).cwiseProduct(Vec3(0, i, k) / kParts));
+        motions.emplace_back();
+      }
+  }
+
   /// Runs steps, and measures after each tenth.
   /// @return the deepest that a point of a collider was in an element [m]
   double run(int steps) {
@@ -151,6 +161,24 @@ TEST(TwoWayContact, ABlockComesFreeOfWhatPiercesItGently) {
     scenario.add(lower, upper);
     EXPECT_GT(scenario.run(10), 0.5 * kCell);
     scenario.run(600);
+    EXPECT_LT(scenario.run(10), kDepth * kCell);
+    EXPECT_LT(scenario.fastest, 20);
+    EXPECT_EQ(scenario.inverted, 0);
+  }
+}
+
+/// No edge of these walls is inside, and no vertex of the block is in them.
+TEST(TwoWayContact, ABlockComesFreeOfAWallAllThroughIt) {
+  const std::array<std::array<Vec3, 2>, 2> walls{
+      {{Vec3(0.03, -0.3, -0.1), Vec3(0.06, 0.4, 0.6)}, {Vec3(-0.1, -0.5, -0.1), Vec3(-0.05, 0.35, 0.55)}}};
+  for (const auto& [lower, upper] : walls) {
+    const std::array meshes{block({0, 0, 0.02})};
+    Scenario scenario(meshes, Vec3::Zero());
+    scenario.add(lower, upper);
+    EXPECT_EQ(scenario.run(0), 0);
+    scenario.add_side(lower, upper);
+    EXPECT_GT(scenario.run(10), kCell);
+    scenario.run(900);
     EXPECT_LT(scenario.run(10), kDepth * kCell);
     EXPECT_LT(scenario.fastest, 20);
     EXPECT_EQ(scenario.inverted, 0);
