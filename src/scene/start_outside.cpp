@@ -14,7 +14,7 @@ namespace {
 /// Part of a body's extent by which a vertex may start inside a collider: bodies are put down with rounded numbers.
 constexpr double kHair = 1e-4;
 
-const std::string kLift = R"("start_outside": "allow" lets it start there)";
+constexpr const char* kLift = R"("start_outside": "allow" lets it start there)";
 
 bool is_container(const Collider& collider) {
   return std::holds_alternative<BoxContainer>(collider.shape) || std::holds_alternative<Bowl>(collider.shape);
@@ -48,10 +48,11 @@ bool is_inside(std::span<const PreparedCollider> parts, const RigidTransform& pl
   const std::string where = fmt::format("{}: body '{}'", file, body.name);
   const std::string start = fmt::format("{} of {} vertices start", count, body.vertex_count);
   if (!is_container(collider))
-    throw Error(where, fmt::format("{} inside colliders[{}]", start, number), "move one of the two, or " + kLift);
-  std::string remedy = "move one of the two, or " + kLift;
+    throw Error(where, fmt::format("{} inside colliders[{}]", start, number),
+                std::string("move one of the two, or ") + kLift);
+  std::string remedy = std::string("move one of the two, or ") + kLift;
   if (std::holds_alternative<BoxContainer>(collider.shape))
-    remedy = R"(a solid box is {"mesh": {"shape": "box"}}, and )" + kLift;
+    remedy = R"(a solid box is {"mesh": {"shape": "box"}}, and )" + std::string(kLift);
   throw Error(where, fmt::format("{} outside colliders[{}], a container", start, number), remedy);
 }
 
@@ -83,7 +84,7 @@ void check_between_vertices(const Scene& scene, const std::string& file) {
     if (found[c].points > 0)
       throw Error(fmt::format("{}: body '{}'", file, scene.model.bodies[static_cast<std::size_t>(found[c].body)].name),
                   fmt::format("colliders[{}] starts in it, {:.3g} m deep", c, found[c].deepest_point),
-                  "move one of the two, or " + kLift);
+                  std::string("move one of the two, or ") + kLift);
 }
 
 }  // namespace

@@ -147,8 +147,9 @@ std::vector<Vec3> WaysOffColliders::beside(std::span<const Vec3> positions, std:
 }
 
 /// Of the piece that all points are in; empty where it is not deep.
-std::vector<WayOff> WaysOffColliders::ways_of(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
-                                              std::span<const Vec3> near) const {
+WaysOffColliders::Ways WaysOffColliders::ways_of(std::span<const Vec3> positions,
+                                                 std::span<const PenetratingPoint> points,
+                                                 std::span<const ColliderPoint> on_faces) const {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const PenetratingPoint& point : points) mean += point.query.point / static_cast<double>(points.size());
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
@@ -166,6 +167,7 @@ std::vector<WayOff> WaysOffColliders::ways_of(std::span<const Vec3> positions, s
     for (const BoundaryPath<3>& exit : exits.back()) ways.back().way = std::max(ways.back().way, exit.distance);
     if (!(ways.back().way > kDeep * edge)) return {};
   }
+  const std::vector<Vec3> near = beside(positions, points, on_faces);
   for (std::size_t d = 0; d < ways.size(); ++d) {
     ways[d].length = ways[d].way;
     for (const Vec3& p : near) {
@@ -176,7 +178,7 @@ std::vector<WayOff> WaysOffColliders::ways_of(std::span<const Vec3> positions, s
     }
   }
   std::stable_sort(ways.begin(), ways.end(), [](const WayOff& a, const WayOff& b) { return a.length < b.length; });
-  return ways;
+  return {ways, near};
 }
 
 /// Whether a point of a collider is inside the piece when that has moved.
@@ -205,8 +207,7 @@ std::vector<PieceWayOff> WaysOffColliders::choose(std::span<const Vec3> position
     std::vector<PenetratingPoint>& points = inside.on_surfaces;
     const bool is_through = inside.on_faces.size() > points.size();
     if (is_through) points.insert(points.end(), inside.on_faces.begin(), inside.on_faces.end());
-    const std::vector<Vec3> near = beside(positions, points, is_through ? on_faces : std::span<const ColliderPoint>());
-    const std::vector<WayOff> ways = ways_of(positions, points, near);
+    const auto [ways, near] = ways_of(positions, points, is_through ? on_faces : std::span<const ColliderPoint>());
     const Index vertex = mesh_.elements()[points[0].query.element][0];
     const WayOff* best = nullptr;
     for (const WayOff& off : ways) {

@@ -31,11 +31,11 @@ class WaysOffColliders {
   /// whatever the direction: the shortest that is not blocked. A piece has to move until the last vertex of the
   /// collider that is beside it is beyond a face by which some point leaves it: an upper bound where the piece is
   /// convex. O(elements), and for each of some thirty directions O(points (elements on their ways + vertices beside)).
-  /// @param positions   (n_vertices) at the start of the step, of the mesh, then of colliders [m]
-  /// @param locator     of the mesh, there
+  /// @param positions    (n_vertices) at the start of the step, of the mesh, then of colliders [m]
+  /// @param locator      of the mesh, there
   /// @param on_surfaces  of colliders' surfaces, each in its element
-  /// @param on_faces    inside or not; they count for pieces in which more of them are than of the others
-  /// @param is_blocked  by a vertex of the piece and the way by which the piece would move [m]
+  /// @param on_faces     inside or not; they count for pieces in which more of them are than of the others
+  /// @param is_blocked   by a vertex of the piece and the way by which the piece would move [m]
   std::vector<PieceWayOff> choose(std::span<const Vec3> positions, const PointLocator<3>& locator,
                                   std::span<const PenetratingPoint> on_surfaces,
                                   std::span<const ColliderPoint> on_faces,
@@ -64,6 +64,12 @@ class WaysOffColliders {
     std::vector<Index> parts;  ///< of colliders that stand all through it, ascending
   };
 
+  /// The shortest first, and the colliders' points that are beside the piece.
+  struct Ways {
+    std::vector<WayOff> ways;
+    std::vector<Vec3> near;
+  };
+
   const Chosen* chosen_for(const PenetratingPoint& point) const;
   double edge_at(Index element) const;
   std::vector<BoundaryPath<3>> straight_ways(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
@@ -71,8 +77,8 @@ class WaysOffColliders {
   std::vector<Index> parts_of(std::span<const PenetratingPoint> points) const;
   std::vector<Vec3> beside(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
                            std::span<const ColliderPoint> on_faces) const;
-  std::vector<WayOff> ways_of(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
-                              std::span<const Vec3> near) const;
+  Ways ways_of(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
+               std::span<const ColliderPoint> on_faces) const;
   bool ends_inside(const PointLocator<3>& locator, std::span<const Vec3> near, Index piece, const WayOff& off) const;
 
   const TetMesh& mesh_;
