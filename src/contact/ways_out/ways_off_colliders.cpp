@@ -1,6 +1,7 @@
 #include "contact/ways_out/ways_off_colliders.h"
 
 #include "contact/ways_out/straight_way.h"
+#include "core/parallel.h"
 #include "core/union_find.h"
 #include "mesh/simplex_corners.h"
 
@@ -195,24 +196,34 @@ std::vector<PieceWayOff> WaysOffColliders::choose(std::span<const Vec3> position
                                                   std::span<const PenetratingPoint> on_surfaces,
                                                   std::span<const ColliderPoint> on_faces,
                                                   const std::function<bool(Index, const Vec3&)>& is_blocked) {
-  struct Inside {
-    std::vector<PenetratingPoint> on_surfaces, on_faces;
+  struct Pierced {
+    Index piece;
+    std::vector<PenetratingPoint> points, on_faces;
+    bool is_through;
+    Ways found;
   };
-  std::map<Index, Inside> of_pieces;
-  for (const PenetratingPoint& p : on_surfaces) of_pieces[pieces_[p.query.element]].on_surfaces.push_back(p);
-  for (const PenetratingPoint& p : inside_of(locator, on_faces))
-    of_pieces[pieces_[p.query.element]].on_faces.push_back(p);
+  std::map<Index, Pierced> of_pieces;
+  const auto pierced_at = [&](const PenetratingPoint& p) -> Pierced& { return of_pieces[pieces_[p.query.element]]; };
+  for (const PenetratingPoint& p : on_surfaces) pierced_at(p).points.push_back(p);
+  for (const PenetratingPoint& p : inside_of(locator, on_faces)) pierced_at(p).on_faces.push_back(p);
+  std::vector<Pierced> all;
+  for (auto& [piece, pierced] : of_pieces) {
+    pierced.piece = piece;
+    all.push_back(std::move(pierced));
+  }
+  parallel_for(std::ssize(all), 1, [&](std::int64_t i) {
+    auto& [piece, points, own_faces, is_through, found] = all[i];
+    is_through = own_faces.size() > points.size();
+    if (is_through) points.insert(points.end(), own_faces.begin(), own_faces.end());
+    found = ways_of(positions, points, is_through ? on_faces : std::span<const ColliderPoint>());
+  });
   std::vector<PieceWayOff> chosen;
-  for (auto& [piece, inside] : of_pieces) {
-    std::vector<PenetratingPoint>& points = inside.on_surfaces;
-    const bool is_through = inside.on_faces.size() > points.size();
-    if (is_through) points.insert(points.end(), inside.on_faces.begin(), inside.on_faces.end());
-    const auto [ways, near] = ways_of(positions, points, is_through ? on_faces : std::span<const ColliderPoint>());
+  for (const auto& [piece, points, own_faces, is_through, found] : all) {
     const Index vertex = mesh_.elements()[points[0].query.element][0];
     const WayOff* best = nullptr;
-    for (const WayOff& off : ways) {
+    for (const WayOff& off : found.ways) {
       if (is_blocked(vertex, off.length * off.direction)) continue;
-      const bool is_off = !is_through || !ends_inside(locator, near, piece, off);
+      const bool is_off = !is_through || !ends_inside(locator, found.near, piece, off);
       if (best == nullptr || is_off) best = &off;
       if (is_off) break;
     }
