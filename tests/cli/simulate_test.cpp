@@ -56,14 +56,15 @@ TEST_F(Simulate, SaysAtTheStartThatBodiesOverlap) {
 
 TEST_F(Simulate, SaysWhatStandsInWhatByPairsOfBodiesAndColliders) {
   // Two cubes in one another, a third apart, and a wall between the vertices of the first.
-  write_text(file("crossing.json"), R"({"selvage_scene": 1, "frames": 5, "gravity": [0, 0, 0],
-    "contact": {"mode": "none"},
+  const std::string scene = R"({"selvage_scene": 1, "frames": 5, "gravity": [0, 0, 0],
+    "contact": {"mode": "none"}, "start_outside": "allow",
     "bodies": [
       {"name": "a", "mesh": {"shape": "box", "size": [1, 1, 1], "cell": 0.5}},
       {"name": "b", "mesh": {"shape": "box", "size": [1, 1, 1], "cell": 0.5}, "translate": [0.9, 0.07, 0.03]},
       {"name": "c", "mesh": {"shape": "box", "size": [1, 1, 1], "cell": 0.5}, "translate": [5, 0, 0]}],
     "colliders": [{"plane": {"point": [0, 0, -9], "normal": [0, 0, 1]}},
-                  {"mesh": {"shape": "box", "size": [0.1, 3, 3], "cell": 9}, "translate": [0.2, -1, -2.2]}]})");
+                  {"mesh": {"shape": "box", "size": [0.1, 3, 3], "cell": 9}, "translate": [0.2, -1, -2.2]}]})";
+  write_text(file("crossing.json"), scene);
   const std::string said = run_well("simulate crossing.json -o run --check-every 2 --json report.json").out;
   for (const char* word : {"frame 0 ", "frame 2 ", "frame 4 ", "pairs of triangles cross", "deepest 100 mm",
                            "in 'a' and 'b'", "colliders in bodies"})
@@ -84,6 +85,8 @@ TEST_F(Simulate, SaysWhatStandsInWhatByPairsOfBodiesAndColliders) {
     EXPECT_EQ(found["colliders"][0]["collider"], 1);
     EXPECT_GT(found["colliders"][0]["points"], 0);
   }
+  expect_refused("simulate crossing.json -o refused --set /start_outside=refuse", 2,
+                 {"body 'a': colliders[1] starts in it", "m deep; move one of the two"});
   write_text(file("blocks.json"), kBlocks);
   const std::string free = run_well("simulate blocks.json -o free --frames 2 --check-every 1").out;
   EXPECT_NE(free.find("frame 1          free\n"), std::string::npos) << free;
