@@ -30,7 +30,7 @@ struct ColliderCrossings {
   std::int64_t points = 0;      ///< of the collider, inside elements
   double deepest_point = 0;     ///< of them, by its shortest path to the boundary [m]
   double deepest_in_cells = 0;  ///< the largest of these depths over the cell of its body
-  Index body = kNone;           ///< that body
+  Index body = kNone;           ///< that body; kNone where nothing is inside
 
   bool any() const { return vertices > 0 || points > 0; }
   void add(const ColliderCrossings& other);

@@ -85,7 +85,10 @@ class Builder {
       if (cells_.insert({vertex, cell[0], cell[1], cell[2]}).second) surface_.face_points.push_back({move(p), vertex});
     });
   }
-  double face_spacing_of(double area) const { return std::max(kFaceSpacing * size_, std::sqrt(area / kMaxParts)); }
+  /// @param length  of slivers, whose area is small
+  double face_spacing_of(double area, double length) const {
+    return std::max({kFaceSpacing * size_, std::sqrt(area / kMaxParts), length / kMaxParts});
+  }
   double inset_of(double thickness) const { return std::min(kInset * size_, kThinInset * thickness); }
 
   double size_;
@@ -182,7 +185,7 @@ void Builder::add_shape(const CylinderShape& cylinder) {
   add_ring(radius - strip, -half);
   for (const double height : heights) add_ring(radius, height);
   add_ring(radius - strip, half);
-  const double end_spacing = face_spacing_of(2 * std::numbers::pi * radius * radius);
+  const double end_spacing = face_spacing_of(2 * std::numbers::pi * radius * radius, 2 * radius);
   for (const auto& [ring, height] : {std::pair(rings.front(), -half), std::pair(rings.back(), half)})
     for (int i = 0; i < sides && radius - strip > end_spacing / 2; ++i)
       face_points({surface_.positions[ring[i]], surface_.positions[ring[(i + 1) % sides]],
@@ -321,7 +324,7 @@ void Builder::add_shape(const MeshCollider& collider) {
   std::vector<Index> of_part(vertices.size(), kNone);
   for (std::size_t v = 0; v < vertices.size(); ++v)
     if (vertices[v] != kNone) of_part[parts.lowest(static_cast<Index>(v))] = vertices[v];
-  const double spacing = face_spacing_of(area);
+  const double spacing = face_spacing_of(area, total);
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
     const Index of_surface = of_part[parts.lowest(mesh.triangles()[t][0])];
     if (of_surface == kNone) continue;

@@ -54,7 +54,8 @@ void ColliderCrossings::add(const ColliderCrossings& other) {
   points += other.points;
   deepest_vertex = std::max(deepest_vertex, other.deepest_vertex);
   deepest_point = std::max(deepest_point, other.deepest_point);
-  if (other.deepest_in_cells > deepest_in_cells) body = other.body;
+  // What is inside may have no depth: where no way leads out.
+  if (other.any() && (body == kNone || other.deepest_in_cells > deepest_in_cells)) body = other.body;
   deepest_in_cells = std::max(deepest_in_cells, other.deepest_in_cells);
 }
 

@@ -53,6 +53,17 @@ TEST(ColliderCrossings, OfAWallAndADiskAreTheirFaces) {
   }
 }
 
+TEST(ColliderCrossings, NameTheBodyWhereItIsDeepest) {
+  ColliderCrossings sum;
+  sum.add({.deepest_vertex = 1e-9, .deepest_in_cells = 1e-8, .body = 0});  // only touches
+  EXPECT_EQ(sum.body, kNone);
+  sum.add({.points = 1, .body = 3});  // inside, and nobody knows how deep
+  EXPECT_EQ(sum.body, 3);
+  sum.add({.vertices = 1, .deepest_in_cells = 0.2, .body = 1});
+  sum.add({.points = 1, .deepest_in_cells = 0.1, .body = 2});
+  EXPECT_EQ(sum.body, 1);
+}
+
 TEST(ColliderCrossings, OfACornerAreItsDepth) {
   const ColliderCrossings found = measure(cube(), box_at({-1, -1, -1}, {0.07, 0.06, 0.05}));
   EXPECT_EQ(found.vertices, 1);
