@@ -54,6 +54,7 @@ void ContactFinder::Impl::begin_step(std::span<const Vec3> positions) {
   check_positions<3>(positions, vertex_count());
   statistics = {};
   has_begun = true;
+  folded_vertices.clear();
   if (off) off->begin_step();
   positions_t0.assign(positions.begin(), positions.end());
   impacts.begin_step();
@@ -236,6 +237,10 @@ std::span<const Index> ContactFinder::penetrating_vertices() const {
 
 std::span<const Index> ContactFinder::penetrating_edges() const {
   return impl_->inside_edges;
+}
+
+std::span<const Index> ContactFinder::folded_vertices() const {
+  return impl_->folded_vertices;
 }
 
 }  // namespace selvage

@@ -37,9 +37,10 @@ struct ContactFinder::Impl {
   std::vector<Index> inside;  ///< features of the search that penetrate at the start of the step
   std::vector<std::uint8_t> is_inside;
   std::vector<Index> inside_vertices, inside_edges;
-  TangledVertices tangled;    ///< at the start of the step; none but for kHybrid
-  InvertedVertices inverted;  ///< at the start of the step
-  std::vector<Index> pieces;  ///< connected component of each element; where whole tangles wait
+  std::vector<Index> folded_vertices;  ///< by the last find_contacts() of the step
+  TangledVertices tangled;             ///< at the start of the step; none but for kHybrid
+  InvertedVertices inverted;           ///< at the start of the step
+  std::vector<Index> pieces;           ///< connected component of each element; where whole tangles wait
   ContactStatistics statistics;
   bool has_begun = false;  ///< any step
 

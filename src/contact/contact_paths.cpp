@@ -108,6 +108,7 @@ std::vector<std::uint8_t> ContactFinder::Impl::leave_out_waiting(std::vector<Pen
 
 void ContactFinder::Impl::append_ways_out(std::span<const Vec3> positions, std::vector<PenetratingPoint>& points,
                                           std::vector<Contact>& contacts) {
+  if (common) folded_vertices = common->vertices_in_folds(points);
   std::vector<std::uint8_t> waits = leave_out_waiting(points);
   if (euclidean) euclidean->place(positions);
   const std::vector<BoundaryPath<3>> found = find_ways_out(points, positions);

@@ -113,9 +113,32 @@ TEST(CommonWaysOut, LeavePointsInTheirOwnPieceWithoutTwoSidesToTheShortestPath) 
     for (BoundaryPath<3>& path : paths) path.status = PathStatus::kFound, path.point = Vec3::Zero();
     common.apply(solid.positions, points, paths);
     for (const BoundaryPath<3>& path : paths) EXPECT_EQ(path.face, kNone) << family.name;
+    std::vector<Index> all(mesh.boundary_vertices().begin(), mesh.boundary_vertices().end());
+    all.insert(all.end(), mesh.elements()[0].begin(), mesh.elements()[0].end());
+    std::sort(all.begin(), all.end());
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+    EXPECT_EQ(common.vertices_in_folds(points), all) << family.name;
     ++tested;
   }
   EXPECT_GT(tested, 0);
+}
+
+/// Two blocks of which one is folded into itself; then the other is in it, too, and then each in itself alone.
+TEST(CommonWaysOut, TellFoldsOfPiecesInWhichNothingElseIs) {
+  const Solid one = solids::box({0, 0, 0}, {1, 1, 1}, 0.5), other = solids::box({2, 0, 0}, {3, 1, 1}, 0.5);
+  const Solid both = solids::together({one, other});
+  const TetMesh mesh = both.mesh();
+  const CommonWaysOut common(mesh);
+  const Index of_one = 0, of_other = static_cast<Index>(one.elements.size());
+  std::vector<Index> fold(mesh.elements()[of_one].begin(), mesh.elements()[of_one].end());
+  std::sort(fold.begin(), fold.end());
+  std::vector<PenetratingPoint> points{penetrating_vertex(fold[0], of_one, both.positions)};
+  EXPECT_EQ(common.vertices_in_folds(points), fold);
+  const Index other_corner = mesh.elements()[of_other][0];
+  points.push_back(penetrating_vertex(other_corner, of_one, both.positions));
+  EXPECT_TRUE(common.vertices_in_folds(points).empty());
+  points.back() = penetrating_vertex(other_corner, of_other, both.positions);
+  EXPECT_EQ(common.vertices_in_folds(points).size(), 8u);
 }
 
 TEST(CommonWaysOut, AreTheSameForAnyNumberOfThreadsAndEndOnTheBoundary) {

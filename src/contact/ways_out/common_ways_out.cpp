@@ -21,6 +21,12 @@ constexpr std::size_t kSamples = 64;
 
 CommonWaysOut::CommonWaysOut(const TetMesh& mesh) : mesh_(mesh), pieces_(mesh.element_components()) {}
 
+Index CommonWaysOut::piece_of(const PenetratingPoint& point) const {
+  if (is_of_collider(point)) return kNone;
+  const auto elements = mesh_.vertex_elements(point.vertices[0]);
+  return elements.empty() ? kNone : pieces_[elements.front()];
+}
+
 /// By tangles; each tangle by points.
 std::vector<CommonWaysOut::Member> CommonWaysOut::members_of(std::span<const PenetratingPoint> points) const {
   struct Place {
@@ -33,8 +39,8 @@ std::vector<CommonWaysOut::Member> CommonWaysOut::members_of(std::span<const Pen
   std::vector<Index> in_own_piece;
   for (Index i = 0; i < std::ssize(points); ++i) {
     const PenetratingPoint& point = points[i];
-    if (is_of_collider(point) || mesh_.vertex_elements(point.vertices[0]).empty()) continue;  // or of cloth
-    const Index own = pieces_[mesh_.vertex_elements(point.vertices[0]).front()], other = pieces_[point.query.element];
+    const Index own = piece_of(point), other = pieces_[point.query.element];
+    if (own == kNone) continue;
     if (own == other) {
       in_own_piece.push_back(i);
       continue;
@@ -95,6 +101,38 @@ void CommonWaysOut::append_members_in_own_piece(std::span<const PenetratingPoint
     if (tangle == kNone) tangle = static_cast<Index>(members.size());
     members.push_back({tangle, i, here < there ? 1.0 : -1.0});
   }
+}
+
+std::vector<Index> CommonWaysOut::vertices_in_folds(std::span<const PenetratingPoint> points) const {
+  std::vector<Index> in_own_piece, in_others;
+  for (Index i = 0; i < std::ssize(points); ++i) {
+    const Index own = piece_of(points[i]), other = pieces_[points[i].query.element];
+    if (own == other) {
+      in_own_piece.push_back(i);
+    } else if (own != kNone) {
+      in_others.insert(in_others.end(), {own, other});
+    }
+  }
+  std::sort(in_others.begin(), in_others.end());
+  std::erase_if(in_own_piece, [&](Index i) {
+    return std::binary_search(in_others.begin(), in_others.end(), pieces_[points[i].query.element]);
+  });
+  std::vector<Member> members;
+  append_members_in_own_piece(points, in_own_piece, members);
+  std::vector<Index> vertices;
+  auto member = members.begin();  // in the order of points
+  for (const Index i : in_own_piece) {
+    if (member != members.end() && member->point == i) {
+      ++member;
+      continue;
+    }
+    vertices.insert(vertices.end(), points[i].vertices.begin(), points[i].vertices.begin() + points[i].count);
+    const auto& element = mesh_.elements()[points[i].query.element];
+    vertices.insert(vertices.end(), element.begin(), element.end());
+  }
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
 }
 
 /// Of the point's own piece, from the point on: what must come out after it.

@@ -13,9 +13,8 @@ namespace selvage {
 ///
 /// Points are in a tangle where a point shares a vertex, or a vertex of the element that it is in, with another. Those
 /// of one piece leave in a direction, those of the other against it. In one piece, the vertices of a point are of one
-/// part and those of the element that it is in of the other; where that contradicts itself, as in a fold, points keep
-/// their shortest paths. So do those of cloth and colliders, and
-/// those whose straight way ends nowhere.
+/// part and those of the element that it is in of the other; where that contradicts itself, in a fold, points keep
+/// their shortest paths. So do those of cloth and colliders, and those whose straight way ends nowhere.
 class CommonWaysOut {
  public:
   explicit CommonWaysOut(const TetMesh& mesh);
@@ -27,6 +26,11 @@ class CommonWaysOut {
   void apply(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
              std::span<BoundaryPath<3>> paths) const;
 
+  /// Vertices of points in folds, and of the elements that these points are in; ascending. Of pieces in which nothing
+  /// else is: bodies that come out of each other bend so much that they cross themselves, and part sooner held in
+  /// shape.
+  std::vector<Index> vertices_in_folds(std::span<const PenetratingPoint> points) const;
+
  private:
   /// A point of a tangle: on its way by `side` times the tangle's direction.
   struct Member {
@@ -35,6 +39,8 @@ class CommonWaysOut {
   };
 
   bool is_of_collider(const PenetratingPoint& point) const { return point.vertices[0] >= mesh_.vertex_count(); }
+  /// The connected piece that a point is of; kNone: of a collider or cloth.
+  Index piece_of(const PenetratingPoint& point) const;
   std::vector<Member> members_of(std::span<const PenetratingPoint> points) const;
   void append_members_in_own_piece(std::span<const PenetratingPoint> points, std::span<const Index> in_own_piece,
                                    std::vector<Member>& members) const;

@@ -25,6 +25,9 @@ constexpr double kDrifts = -1, kStands = -2, kStandsAlways = -3;
 /// first of them carries it: the rounds end, and where there is no room the others get in a little, but no element
 /// inverts.
 constexpr int kBentRounds = 12;
+/// In folds up to so many elements may be inverted in a step, or so many for each vertex there. Where a whole body is
+/// inside itself, ways out lead through four elements for five vertices: all at once they would turn it inside out.
+constexpr double kFewInFolds = 64, kFoldShare = 0.6;
 /// Where more than one in so many vertices are inside colliders or would enter them, or elements between colliders that
 /// move apart would collapse, a body has no room.
 constexpr std::int64_t kCrushedShare = 20;
@@ -69,7 +72,9 @@ StepGate::StepGate(const Model& model, Index contact_vertex_count, bool is_stric
 bool StepGate::is_violated(ContactFinder& finder, const Step& step, std::span<const StepVertex> vertices,
                            bool impacts_known) {
   links_.clear();
+  folded_.clear();
   find_collapsing_elements(step, vertices);
+  if (!is_strict_) let_folds_invert(finder.folded_vertices());
   if (impacts_known) {
     impacts_ = {};
   } else {
@@ -108,7 +113,29 @@ void StepGate::find_collapsing_elements(const Step& step, std::span<const StepVe
     if (!is_thin_[n]) continue;
     const auto end = std::min<std::size_t>((n + 1) * kThinBatch, model_.mesh.element_count());
     for (std::size_t e = n * kThinBatch; e < end; ++e)
-      if (is_collapsing(static_cast<Index>(e), step, vertices)) collapsing_.push_back(static_cast<Index>(e));
+      if (is_collapsing(static_cast<Index>(e), step, vertices) && !is_in_fold(static_cast<Index>(e)))
+        collapsing_.push_back(static_cast<Index>(e));
+  }
+}
+
+bool StepGate::is_in_fold(Index element) const {
+  const auto& corners = model_.mesh.elements()[element];
+  return !folded_.empty() && std::any_of(corners.begin(), corners.end(), [&](Index v) {
+    return std::binary_search(folded_.begin(), folded_.end(), v);
+  });
+}
+
+/// Of elements that are about to be inverted, leaves those in folds out for the rest of the step, or none.
+void StepGate::let_folds_invert(std::span<const Index> folded_vertices) {
+  folded_.assign(folded_vertices.begin(), folded_vertices.end());
+  std::vector<Index> held;
+  for (const Index e : collapsing_)
+    if (!is_in_fold(e)) held.push_back(e);
+  const double in_folds = static_cast<double>(collapsing_.size() - held.size());
+  if (in_folds < std::max(kFewInFolds, kFoldShare * static_cast<double>(folded_.size()))) {
+    collapsing_ = std::move(held);
+  } else {
+    folded_.clear();
   }
 }
 

@@ -39,6 +39,9 @@ struct ZoneLink {
 /// momentum, in the last ones none, or that of what carries the zone; the rounds end when nothing meets, or a round
 /// changes nothing. They do end: zones only grow, and there are only so many.
 ///
+/// Where a piece is folded into itself, ways out lead through its elements. While these are few against
+/// ContactFinder::folded_vertices(), they may be inverted: held back, the fold would stay for ever.
+///
 /// Exact: what meets is decided by ContinuousCollisionFinder. Vertices that penetrate at the start of the step, or
 /// belong to an inverted element, are left to contacts. The same bits for any number of threads.
 ///
@@ -69,6 +72,8 @@ class StepGate {
  private:
   bool is_collapsing(Index element, const Step& step, std::span<const StepVertex> vertices) const;
   void find_collapsing_elements(const Step& step, std::span<const StepVertex> vertices);
+  bool is_in_fold(Index element) const;
+  void let_folds_invert(std::span<const Index> folded_vertices);
   void find_impacts(ContactFinder& finder, std::span<const StepVertex> vertices);
   void find_entries(const Step& step, const Carriers& carriers, std::span<const StepVertex> vertices);
   bool is_round_crushed() const;
@@ -95,6 +100,7 @@ class StepGate {
   std::vector<Vec3> candidate_;  ///< (n_contact_vertices) end of the step as it stands
   StepImpacts impacts_;
   std::vector<Index> collapsing_;       ///< elements, ascending
+  std::vector<Index> folded_;           ///< vertices of folds whose elements may be inverted in this step, ascending
   std::vector<ColliderEntry> entries_;  ///< of vertices that have been held back
 
   std::vector<Vec3> targets_;       ///< (n_vertices) end of the step as the solver left it
