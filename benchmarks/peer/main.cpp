@@ -152,7 +152,8 @@ int main(int argc, char** argv) try {
   scenes->footer("Example: selvage_bench simulation --scene octopi_8_hybrid --frames 30");
   scenes->add_option("--scenes", simulation.folder, "Folder of the scenes")->capture_default_str();
   scenes->add_option("--scene", simulation.scenes, "Only these");
-  scenes->add_option("--scale", simulation.scale, "A scale of theirs, as paper");
+  scenes->add_option("--scale", simulation.scale, "A scale of theirs, as paper; an empty text: as they stand")
+      ->capture_default_str();
   scenes->add_option("--frames", simulation.frames, "Frames of each; without, as many as it has")
       ->check(CLI::PositiveNumber);
   scenes->add_flag("!--culling-only", simulation.without_culling, "Not also without infeasible-region culling");

@@ -11,7 +11,7 @@ namespace selvage::bench {
 struct SimulationPlan {
   std::filesystem::path folder;     ///< of the scene files
   std::vector<std::string> scenes;  ///< names; empty: all
-  std::string scale;                ///< empty: as the files stand
+  std::string scale = "small";      ///< empty: as the files stand
   std::int64_t frames = 0;          ///< of each; 0: as many as it has
   bool without_culling = true;      ///< also without infeasible-region culling (SPB figure 21)
   bool growth = true;               ///< also the cost of a step over 1, 10 and 100 octopi
