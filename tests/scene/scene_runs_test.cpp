@@ -317,9 +317,9 @@ TEST(SceneRuns, ATangledBallIsFreeWithinEightFrames) {
 
 /// The same by the hybrid, which users have by default: a gate that lets no element of a fold be inverted keeps it.
 TEST(SceneRuns, ATangledBallComesFreeByTheHybrid) {
-  Play play(load("tangled_ball", {{"/bodies/0/mesh/elements", "13500"},
-                                  {"/contact/mode", "\"hybrid\""},
-                                  {"/contact/interior_points", "false"}}));
+  Play play(load(
+      "tangled_ball",
+      {{"/bodies/0/mesh/elements", "13500"}, {"/contact/mode", "\"hybrid\""}, {"/contact/interior_points", "false"}}));
   play.run_frames(24);
   EXPECT_GT(tangle_of(play).vertices, 100);
   play.run_frames(12);
