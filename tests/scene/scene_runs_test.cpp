@@ -88,6 +88,11 @@ Tangle tangle_of(const Play& play) {
   return tangle;
 }
 
+bool crosses_itself(const Play& play) {
+  const TriangleMesh surface = boundary_surface(play.scene().model.mesh);
+  return SelfCollisionFinder(surface, play.state().positions).has_pairs();
+}
+
 /// Pairs of bodies of which a vertex of the first is in the second by more than 5 mm.
 std::set<std::pair<Index, Index>> interlocked_pairs(const Play& play) {
   const auto finder = play.finder();
@@ -282,8 +287,7 @@ TEST(SceneRuns, ATangledNoodleIsFreeWithinTenSteps) {
   EXPECT_EQ(end.inverted, 0);
   // At rest, too: by discrete detection alone 24 pairs of triangles cross there.
   play.run_frames(20);
-  const TriangleMesh surface = boundary_surface(play.scene().model.mesh);
-  EXPECT_FALSE(SelfCollisionFinder(surface, play.state().positions).has_pairs());
+  EXPECT_FALSE(crosses_itself(play));
 }
 
 /// Shortest paths alone keep it in itself for ever: what lies above the middle of the other part leaves upwards.
@@ -293,8 +297,7 @@ TEST(SceneRuns, ANoodleThatRunsRightThroughItselfIsFreeWithinThreeFrames) {
                                     {"/bodies/0/poses/0/matrix", "[[1, 0, 0], [0, 1, 0], [0.02, 0, 1]]"}}));
   EXPECT_GT(tangle_of(play).vertices, 40);
   play.run_frames(3);
-  const TriangleMesh surface = boundary_surface(play.scene().model.mesh);
-  EXPECT_FALSE(SelfCollisionFinder(surface, play.state().positions).has_pairs());
+  EXPECT_FALSE(crosses_itself(play));
   EXPECT_EQ(tangle_of(play).inverted, 0);
 }
 
@@ -326,8 +329,7 @@ TEST(SceneRuns, ATangledBallComesFreeByTheHybrid) {
   const Tangle end = tangle_of(play);
   EXPECT_EQ(end.vertices, 0);
   EXPECT_EQ(end.inverted, 0);
-  const TriangleMesh surface = boundary_surface(play.scene().model.mesh);
-  EXPECT_FALSE(SelfCollisionFinder(surface, play.state().positions).has_pairs());
+  EXPECT_FALSE(crosses_itself(play));
 }
 
 /// In steps in which it flies past a whole edge it would be held back all at once, and stop dead.

@@ -167,7 +167,7 @@ class ContactFinder {
   std::span<const Index> penetrating_edges() const;
 
   /// For kHybrid, by the last find_contacts() of the step, ascending: vertices of folds, where a connected piece is
-  /// inside itself, and nothing else inside it, without two sides that one direction would part, as two arms that run
+  /// inside itself, and no other piece with it, without two sides that one direction would part, as two arms that run
   /// through each other have. Ways out lead through its elements there, some of which may have to be inverted for a
   /// while.
   std::span<const Index> folded_vertices() const;

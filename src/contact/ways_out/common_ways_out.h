@@ -26,8 +26,8 @@ class CommonWaysOut {
   void apply(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
              std::span<BoundaryPath<3>> paths) const;
 
-  /// Vertices of points in folds, and of the elements that these points are in; ascending. Of pieces in which nothing
-  /// else is: bodies that come out of each other bend so much that they cross themselves, and part sooner held in
+  /// Vertices of points in folds, and of the elements that these points are in; ascending. Of pieces in which no
+  /// other is: bodies that come out of each other bend so much that they cross themselves, and part sooner held in
   /// shape.
   std::vector<Index> vertices_in_folds(std::span<const PenetratingPoint> points) const;
 
