@@ -150,8 +150,13 @@ void Sleep::finish(double step, std::span<const Index> penetrating_bodies, State
   std::vector<Pace> paces(count);
   parallel_for(std::ssize(paces), 1, [&](std::int64_t b) { paces[b] = pace_of(static_cast<Index>(b), state); });
   for (const Index b : penetrating_bodies) paces[b] = Pace::kFast;
-  if (std::all_of(paces.begin(), paces.end(), [](Pace pace) { return pace == Pace::kFast; }))
-    return std::fill(state.rest_times.begin(), state.rest_times.end(), 0.0);
+  const auto parts = [&](std::size_t b) { return state.rest_times[b] < 0; };
+  for (std::size_t b = 0; b < count; ++b)
+    if (parts(b)) paces[b] = Pace::kFast;
+  if (std::all_of(paces.begin(), paces.end(), [](Pace pace) { return pace == Pace::kFast; })) {
+    for (double& time : state.rest_times) time = std::min(time, 0.0);
+    return;
+  }
   const std::vector<Index> of_body = groups_of(state, step);
   struct Group {
     double time = kSleepTime, mass = 0;
@@ -165,7 +170,7 @@ void Sleep::finish(double step, std::span<const Index> penetrating_bodies, State
     Group& group = groups[of_body[b]];
     ++group.bodies;
     const bool was_woken = is_asleep_[b] == 0 && state.rest_times[b] >= kSleepTime;
-    const double before = was_woken ? 0 : state.rest_times[b];
+    const double before = was_woken ? 0 : std::max(state.rest_times[b], 0.0);
     if (paces[b] == Pace::kFast) group.time = 0;
     if (paces[b] == Pace::kSettling) group.time = std::min({group.time, before + step, kSettleTime});
     if (paces[b] == Pace::kSleepy) group.time = std::min(group.time, before + step);
@@ -181,6 +186,7 @@ void Sleep::finish(double step, std::span<const Index> penetrating_bodies, State
   parallel_for(std::ssize(paces), 1, [&](std::int64_t b) {
     const Group& group = groups[of_body[b]];
     const bool was_asleep = state.rest_times[b] >= kSleepTime && is_asleep_[b] != 0;
+    if (parts(b)) return;
     state.rest_times[b] = group.time;
     const bool falls_asleep = group.time >= kSleepTime && !was_asleep;
     if (!falls_asleep && (was_asleep || !group.is_damped())) return;

@@ -34,6 +34,7 @@ TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle>
       max_throw_(kMaxThrow * extent_of<3>(model.rest_positions).diagonal()),
       body_of_(bodies_of_vertices(model)),
       free_momentum_(model),
+      parting_(model, body_of_),
       half_thickness_(half_thickness_of(model)) {
   check_options(options);
   check_state(model, initial);
@@ -384,6 +385,8 @@ void TimeStep::finish(State& state) {
     });
   state.time = step_.end_time;
   ++state.steps;
+  const Vec3 gained = options_.time_step * options_.gravity;
+  if (gate_) parting_.finish(options_.time_step, free_momentum_.pieces(), start_momentum_, gained, contacts_, state);
   if (!sleep_) return;
   std::vector<Index> penetrating;
   for (const Index v : draw_off_.vertices())

@@ -8,6 +8,7 @@
 #include "simulation/step.h"
 #include "simulation/time_step/draw_off.h"
 #include "simulation/time_step/free_momentum.h"
+#include "simulation/time_step/parting.h"
 #include "simulation/time_step/sleep.h"
 #include "simulation/time_step/step_gate.h"
 
@@ -118,6 +119,7 @@ class TimeStep {
   double max_throw_;                                 ///< see is_thrown() [m]
   std::vector<Index> body_of_;                       ///< (n_vertices)
   FreeMomentum free_momentum_;
+  Parting parting_;
   std::vector<double> half_thickness_;  ///< (n_vertices) of cloth [m]; empty where none is thick
   std::vector<PreparedCollider> colliders_;
   ColliderSurface collider_surface_;             ///< of the colliders; none where the mode is kOff

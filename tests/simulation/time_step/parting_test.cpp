@@ -1,0 +1,125 @@
+// Bodies that start in one another part, and do not fly off.
+#include "selvage/simulation/newton.h"
+#include "selvage/simulation/vbd.h"
+#include "simulation/bodies.h"
+#include "threads.h"
+
+#include <gtest/gtest.h>
+
+namespace selvage {
+namespace {
+
+using namespace bodies;
+
+/// Two blocks, the second half in the first.
+Model overlapping(const Vec3& offset = {0.25, 0.05, 0.05}) {
+  const IndexedMesh block = moved(make_box({0.5, 0.5, 0.5}, 0.17), {0, 0, 0.02});
+  return make(std::vector<IndexedMesh>{block, moved(block, offset)}, damped(neo_hookean(1e5, 0.4), 0.002));
+}
+
+Vec3 middle_of(const Body& body, std::span<const Vec3> values) {
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& value : values.subspan(body.first_vertex, body.vertex_count)) sum += value;
+  return sum / body.vertex_count;
+}
+
+/// How fast the two move apart [m/s], and how far apart they are [m].
+struct Separation {
+  double speed, distance;
+};
+Separation separation(const Model& model, const State& state) {
+  const auto between = [&](std::span<const Vec3> values) {
+    return Vec3(middle_of(model.bodies[1], values) - middle_of(model.bodies[0], values));
+  };
+  return {between(state.velocities).norm(), between(state.positions).norm()};
+}
+
+template <typename Solver, typename Options>
+void expect_to_lie_side_by_side(Options options) {
+  const Model model = overlapping();
+  State state = make_state(model, model.rest_positions);
+  Solver solver(model, state, {}, {Collider{.shape = PlaneShape{}}}, options);
+  double highest = 0;
+  for (int step = 0; step < 150; ++step) {
+    solver.step(state);
+    highest = std::max(highest, centre(model, state)[2]);
+    if (step == 20) {
+      EXPECT_LT(separation(model, state).speed, 2);
+    }
+  }
+  solver.step(state);
+  EXPECT_EQ(solver.statistics().unguarded_vertices, 0);
+  EXPECT_LT(separation(model, state).speed, 0.3);
+  EXPECT_GT(separation(model, state).distance, 0.45);
+  EXPECT_LT(separation(model, state).distance, 1);
+  EXPECT_LT(highest, 0.6);
+}
+
+TEST(Parting, LeavesBodiesSideBySideByEachSolver) {
+  expect_to_lie_side_by_side<XpbdSolver>(XpbdOptions{});
+  expect_to_lie_side_by_side<VbdSolver>(VbdOptions{});
+  expect_to_lie_side_by_side<NewtonSolver>(NewtonOptions{});
+}
+
+// The floor that a body is pushed into does not throw both: they leave it no faster than they fell on it.
+TEST(Parting, TakesNoSpeedFromTheFloor) {
+  const Model model = overlapping({0.03, 0.02, 0.1});
+  State state = make_state(model, model.rest_positions);
+  XpbdSolver solver(model, state, {}, {Collider{.shape = PlaneShape{}}}, {});
+  double all = 0;
+  for (Index v = 0; v < model.mesh.vertex_count(); ++v) all += mass(model, v);
+  for (int step = 0; step < 60; ++step) {
+    solver.step(state);
+    EXPECT_LT(momentum(model, state)[2], 0.2 * all) << step;
+  }
+}
+
+TEST(Parting, KeepsMomentumAndSpinInFlight) {
+  const Model model = overlapping();
+  State state = make_state(model, model.rest_positions);
+  for (std::size_t v = 0; v < state.velocities.size(); ++v)
+    state.velocities[v] = Vec3(3, -1, 2) + Vec3(0.5, 1, -0.7).cross(state.positions[v]);
+  XpbdOptions options;
+  options.gravity.setZero();
+  const Vec3 moving = momentum(model, state), turning = angular_momentum(model, state);
+  XpbdSolver solver(model, state, {}, {}, options);
+  for (int step = 0; step < 60; ++step) solver.step(state);
+  EXPECT_LT((momentum(model, state) - moving).norm(), 1e-9 * moving.norm());
+  EXPECT_LT((angular_momentum(model, state) - turning).norm(), 1e-9 * turning.norm());
+  EXPECT_GT(separation(model, state).distance, 0.45);
+}
+
+// What only meets, or is tangled in itself, is not damped.
+TEST(Parting, LeavesBodiesAloneThatAreOutside) {
+  const IndexedMesh block = make_box({0.2, 0.2, 0.2}, 0.1);
+  const Model model = make(std::vector<IndexedMesh>{block, moved(block, {0.25, 0.02, 0})}, neo_hookean(1e6, 0.4));
+  State state = make_state(model, model.rest_positions);
+  for (Index v = 0; v < model.mesh.vertex_count(); ++v)
+    state.velocities[v] = Vec3(v < model.bodies[1].first_vertex ? 4 : -4, 0, 0);
+  XpbdSolver solver(model, state, {}, {}, {});
+  for (int step = 0; step < 60; ++step) {
+    solver.step(state);
+    for (const double time : state.rest_times) EXPECT_GE(time, 0);
+  }
+  EXPECT_GT(separation(model, state).speed, 1);
+}
+
+TEST(Parting, IsTheSameByAnyNumberOfThreadsAndFromAnyState) {
+  const Model model = overlapping();
+  const auto run = [&](State state, int steps) {
+    XpbdOptions options;
+    options.sleep_speed = 0.015;
+    XpbdSolver solver(model, state, {}, {Collider{.shape = PlaneShape{}}}, options);
+    for (int step = 0; step < steps; ++step) solver.step(state);
+    return state;
+  };
+  const State start = make_state(model, model.rest_positions);
+  const State whole = test::with_threads(1, [&] { return run(start, 60); });
+  EXPECT_TRUE(same_bits(test::with_threads(2, [&] { return run(start, 60); }), whole));
+  const State half = run(start, 25);
+  EXPECT_LT(half.rest_times[0], 0);
+  EXPECT_TRUE(same_bits(run(half, 35), whole));
+}
+
+}  // namespace
+}  // namespace selvage
