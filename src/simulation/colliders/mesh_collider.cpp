@@ -141,10 +141,22 @@ void MeshCollider::set_positions(std::vector<Vec3> positions) {
   bvh_ = Bvh(boxes);
 }
 
+void MeshCollider::set_buried(std::vector<std::uint8_t> is_buried) {
+  const auto count = std::count(is_buried.begin(), is_buried.end(), 0);
+  if (count > 0 && count < std::ssize(is_buried)) is_buried_ = std::move(is_buried);
+}
+
 SurfacePlace MeshCollider::find_nearest(const Vec3& p) const {
+  return find_nearest(p, [](Index) { return true; });
+}
+
+/// @param counts  of a triangle, whether it does
+template <typename Counts>
+SurfacePlace MeshCollider::find_nearest(const Vec3& p, Counts&& counts) const {
   SurfacePlace nearest;
   nearest.point.squared_distance = std::numeric_limits<double>::infinity();
   visit_nearest(bvh_.nodes(), enclosing_box<3>(p, p), std::numeric_limits<float>::infinity(), [&](Index t, float) {
+    if (!counts(t)) return round_up(nearest.point.squared_distance);
     const auto [a, b, c] = corners(t);
     const auto found = closest_point_on_triangle(p, a, b, c);
     if (found.squared_distance < nearest.point.squared_distance) nearest = {t, found};
@@ -162,10 +174,15 @@ Vec3 MeshCollider::normal_at(const SurfacePlace& place) const {
 
 std::optional<Hit> MeshCollider::find_hit(const Vec3& p, double distance) const {
   if (bounds_.squaredExteriorDistance(p) > distance * distance) return {};
-  const SurfacePlace nearest = find_nearest(p);
-  const Vec3 normal = normal_at(nearest), way = nearest.point.point - p;
+  SurfacePlace nearest = find_nearest(p);
+  Vec3 normal = normal_at(nearest), way = nearest.point.point - p;
+  const bool is_inside = way.dot(normal) > 0;
+  if (is_inside && !is_buried_.empty() && is_buried_[nearest.triangle] != 0) {
+    nearest = find_nearest(p, [&](Index t) { return is_buried_[t] == 0; });
+    normal = normal_at(nearest);
+    way = nearest.point.point - p;
+  }
   const double length = way.norm();
-  const bool is_inside = way.dot(normal) > 0 && length > 0;
   if (!is_inside && length >= distance) return {};
   // The way to a surface on which the point lies but for rounding has no direction of its own.
   constexpr double kOnSurface = 1e-6;

@@ -35,6 +35,10 @@ class MeshCollider {
   /// @param positions  (n_vertices)
   void set_positions(std::vector<Vec3> positions);
 
+  /// No way out leads through these triangles, unless all are such.
+  /// @param is_buried  (n_triangles) not 0: behind it is another collider
+  void set_buried(std::vector<std::uint8_t> is_buried);
+
   /// The point of the surface that is closest to p. O(log n) near the surface.
   SurfacePlace find_nearest(const Vec3& p) const;
   std::optional<Hit> find_hit(const Vec3& p) const { return find_hit(p, 0); }
@@ -52,6 +56,8 @@ class MeshCollider {
   std::span<const Vec3> positions() const { return positions_; }
 
  private:
+  template <typename Counts>
+  SurfacePlace find_nearest(const Vec3& p, Counts&& counts) const;
   Vec3 normal_at(const SurfacePlace& place) const;
 
   std::vector<Vec3> positions_;
@@ -60,6 +66,7 @@ class MeshCollider {
   /// Pseudo-normals (Baerentzen and Aanaes 2005): of any length, and on the right side of all faces around.
   std::vector<Vec3> triangle_normals_, edge_normals_, vertex_normals_;
   Eigen::AlignedBox3d bounds_;
+  std::vector<std::uint8_t> is_buried_;  ///< (n_triangles); empty: none is
 };
 
 }  // namespace selvage

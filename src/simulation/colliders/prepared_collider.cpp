@@ -61,7 +61,7 @@ PreparedShapes prepare_shape(const std::string& where, CylinderShape cylinder) {
   demand_length(cylinder.length, where, "length");
   demand(cylinder.centre.allFinite(), where, "its centre is not finite", "");
   cylinder.axis = make_unit(cylinder.axis, where, "axis");
-  return {cylinder};
+  return {PreparedCylinder{cylinder}};
 }
 
 PreparedShapes prepare_shape(const std::string& where, const MeshShape& shape) {
@@ -73,6 +73,32 @@ PreparedShapes prepare_shape(const std::string& where, const KeyframedShape& sha
          fmt::format("it has {} key frames and {} times", shape.positions.size(), shape.times.size()),
          "give as many of both, at least one");
   return {MeshCollider(where, {shape.positions.front(), shape.triangles})};
+}
+
+/// @param is_in_another  of a point, whether it is in another collider
+template <typename IsInAnother>
+std::vector<std::uint8_t> buried_of(const MeshCollider& mesh, double gap, IsInAnother&& is_in_another) {
+  std::vector<std::uint8_t> buried;
+  for (Index t = 0; t < mesh.mesh().triangle_count(); ++t) {
+    const auto [a, b, c] = mesh.corners(t);
+    const Vec3 behind = gap * (b - a).cross(c - a).normalized(), middle = (a + b + c) / 3;
+    buried.push_back(is_in_another(a + behind) && is_in_another(b + behind) && is_in_another(c + behind) &&
+                     is_in_another(middle + behind));
+  }
+  return buried;
+}
+
+template <typename IsInAnother>
+std::array<std::uint8_t, 2> buried_of(const PreparedCylinder& cylinder, double gap, IsInAnother&& is_in_another) {
+  std::array<std::uint8_t, 2> buried{};
+  const auto [u, v] = across(cylinder.axis);
+  for (int end = 0; end < 2; ++end) {
+    const Vec3 middle = cylinder.centre + (end == 0 ? -1 : 1) * (cylinder.length / 2 + gap) * cylinder.axis;
+    buried[end] = is_in_another(middle);
+    for (const Vec3& rim : {u, v, Vec3(-u), Vec3(-v)})
+      buried[end] = buried[end] != 0 && is_in_another(middle + cylinder.radius * rim);
+  }
+  return buried;
 }
 
 }  // namespace
@@ -94,6 +120,27 @@ std::vector<PreparedCollider> prepare_colliders(std::span<const Collider> collid
     }
   }
   return prepared;
+}
+
+std::vector<PreparedCollider> bury_faces(double element_size, std::vector<PreparedCollider> colliders) {
+  const double gap = element_size / 4;
+  for (PreparedCollider& collider : colliders) {
+    if (!collider.is_fixed()) continue;
+    const auto is_in_another = [&](const Vec3& point) {
+      return std::any_of(colliders.begin(), colliders.end(), [&](const PreparedCollider& other) {
+        return &other != &collider && other.is_fixed() &&
+               std::visit([&](const auto& shape) { return find_hit(shape, point).has_value(); }, other.shape);
+      });
+    };
+    const auto bury = [&](auto& shape) {
+      if constexpr (std::is_same_v<std::decay_t<decltype(shape)>, MeshCollider>)
+        shape.set_buried(buried_of(shape, gap, is_in_another));
+      if constexpr (std::is_same_v<std::decay_t<decltype(shape)>, PreparedCylinder>)
+        shape.is_end_buried = buried_of(shape, gap, is_in_another);
+    };
+    std::visit(bury, collider.shape);
+  }
+  return colliders;
 }
 
 void check_motion(const std::string& where, const Motion& motion) {

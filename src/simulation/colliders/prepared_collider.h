@@ -11,9 +11,14 @@
 
 namespace selvage {
 
+/// A cylinder of which an end may stand on another collider, so that no way out leads there.
+struct PreparedCylinder : CylinderShape {
+  std::array<std::uint8_t, 2> is_end_buried{};  ///< that against its axis, then the other
+};
+
 /// A collider as solvers use it. A BoxContainer becomes six planes, a KeyframedShape its surface at the end of a step.
 struct PreparedCollider {
-  std::variant<PlaneShape, Bowl, SphereShape, CylinderShape, MeshCollider> shape;
+  std::variant<PlaneShape, Bowl, SphereShape, PreparedCylinder, MeshCollider> shape;
   Motion motion;
   Friction friction;
   std::unique_ptr<SurfaceMotion> surface_motion{};  ///< of a KeyframedShape; none of any other
@@ -63,13 +68,17 @@ inline std::optional<Hit> find_hit(const SphereShape& sphere, const Vec3& p) {
   return Hit{distance > 0 ? Vec3(offset / distance) : Vec3(Vec3::UnitZ()), sphere.radius - distance};
 }
 
-inline std::optional<Hit> find_hit(const CylinderShape& cylinder, const Vec3& p) {
+inline std::optional<Hit> find_hit(const PreparedCylinder& cylinder, const Vec3& p) {
   const Vec3 offset = p - cylinder.centre;
-  const double along = cylinder.axis.dot(offset), end = cylinder.length / 2 - std::abs(along);
+  const double along = cylinder.axis.dot(offset);
   const Vec3 across = offset - along * cylinder.axis;
   const double distance = across.norm(), side = cylinder.radius - distance;
-  if (end <= 0 || side <= 0) return {};
-  if (end < side || distance == 0) return Hit{along < 0 ? Vec3(-cylinder.axis) : cylinder.axis, end};
+  if (std::abs(along) >= cylinder.length / 2 || side <= 0) return {};
+  const auto& [is_first_buried, is_second_buried] = cylinder.is_end_buried;
+  const bool leads_back = is_second_buried != 0 || (is_first_buried == 0 && along < 0);
+  const double end = cylinder.length / 2 + (leads_back ? along : -along);
+  if ((end < side && !(is_first_buried != 0 && is_second_buried != 0)) || distance == 0)
+    return Hit{leads_back ? Vec3(-cylinder.axis) : cylinder.axis, end};
   return Hit{across / distance, side};
 }
 
@@ -98,8 +107,8 @@ inline Bowl grown(const Bowl& bowl, double by) {
 inline SphereShape grown(const SphereShape& sphere, double by) {
   return {sphere.centre, sphere.radius + by};
 }
-inline CylinderShape grown(const CylinderShape& cylinder, double by) {
-  return {cylinder.centre, cylinder.axis, cylinder.radius + by, cylinder.length + 2 * by};
+inline PreparedCylinder grown(const PreparedCylinder& cylinder, double by) {
+  return {{cylinder.centre, cylinder.axis, cylinder.radius + by, cylinder.length + 2 * by}, cylinder.is_end_buried};
 }
 inline GrownMesh grown(const MeshCollider& mesh, double by) {
   return {mesh, by};
@@ -118,6 +127,11 @@ auto grown_for(const Shape& shape, double half_thickness, const Vec3& was) {
 
 /// @throws Error  when a shape, a motion or a friction is impossible; it names which
 std::vector<PreparedCollider> prepare_colliders(std::span<const Collider> colliders);
+
+/// Where a mesh or a cylinder stands on another collider, or in it, no way out leads through the faces between them.
+/// Only for those that never move. O(triangles log n).
+/// @param element_size  of what is to come out [m]: no quarter of it gets between the two
+std::vector<PreparedCollider> bury_faces(double element_size, std::vector<PreparedCollider> colliders);
 
 /// @throws Error  when a motion is impossible
 void check_motion(const std::string& where, const Motion& motion);

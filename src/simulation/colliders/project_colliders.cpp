@@ -246,6 +246,19 @@ ColliderContacts project_colliders(std::span<const PreparedCollider> colliders, 
   return Projection(colliders, step, max_corrections, half_thickness, ejected, states, vertices).project();
 }
 
+std::vector<Index> find_deep_vertices(const ColliderContacts& contacts, std::span<const ColliderContactState> states,
+                                      std::span<const PreparedCollider> colliders, const Step& step) {
+  std::vector<Index> deep;
+  if (contacts.started_inside == 0) return deep;
+  for (const Index v : contacts.pushed)
+    for (std::size_t c = 0; c < colliders.size(); ++c) {
+      const ColliderContactState& state = states[v * colliders.size() + c];
+      const bool is_deep = state.step == step.number && state.depth_left > 0;
+      if (is_deep && !colliders[c].moves(step.start_time, step.end_time)) deep.push_back(v);
+    }
+  return deep;
+}
+
 std::vector<ColliderEntry> find_entries(std::span<const PreparedCollider> colliders, const Step& step,
                                         std::span<const double> max_corrections, std::span<const Index> vertices,
                                         std::span<const StepVertex> positions) {

@@ -71,8 +71,8 @@ struct ColliderContacts {
 /// find_hit_on_way(). Friction leaves no vertex inside another collider, nor inside a body. Parallel.
 ///
 /// @param max_corrections  (n_vertices) [m] what starts the step inside by more than kContactGap of them comes out
-/// without
-///                         speed, by so much a step: in one step the material would be pressed flat onto the surface
+///                         without speed, by so much a step: in one step the material would be pressed flat onto the
+///                         surface
 /// @param half_thickness   (n_vertices) by which cloth is held off [m]; empty: all is thin
 /// @param ejected          (n_vertices) by how much contacts sent vertices out of bodies [m]: friction does not count
 ///                         it as sliding
@@ -81,6 +81,11 @@ ColliderContacts project_colliders(std::span<const PreparedCollider> colliders, 
                                    std::span<const double> max_corrections, std::span<const double> half_thickness,
                                    std::span<const Vec3> ejected, std::span<ColliderContactState> states,
                                    std::span<StepVertex> vertices);
+
+/// Vertices that have started the step deeper in a collider that stands still than they come out by in a step; in the
+/// order of their pushes, and more than once.
+std::vector<Index> find_deep_vertices(const ColliderContacts& contacts, std::span<const ColliderContactState> states,
+                                      std::span<const PreparedCollider> colliders, const Step& step);
 
 /// A vertex that enters or passes a collider in the step.
 struct ColliderEntry {

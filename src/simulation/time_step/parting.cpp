@@ -51,19 +51,21 @@ std::vector<Index> Parting::groups_of(std::span<const Contact> met, const State&
   return groups;
 }
 
-void Parting::finish(double step, const Pieces& pieces, std::span<const MomentumSums> start, const Vec3& gained,
-                     std::span<const Contact> contacts, State& state) const {
+void Parting::finish(const Pieces& pieces, std::span<const MomentumSums> start, std::span<const Contact> contacts,
+                     std::span<const Index> deep, State& state) const {
   const std::size_t count = model_.bodies.size();
   std::vector<std::uint8_t> is_inside(count, 0);
   for (const Contact& contact : contacts)
     if (lies_between_bodies(contact))
       is_inside[body_of_[contact.vertices[0]]] = is_inside[body_of_[contact.vertices[contact.count - 1]]] = 1;
+  for (const Index v : deep)
+    if (body_of_[v] != kNone) is_inside[body_of_[v]] = 1;
   bool any_part = false;
   for (std::size_t b = 0; b < count; ++b) {
     const double before = state.rest_times.empty() ? 0 : state.rest_times[b];
     if (is_inside[b] == 0 && !(before < 0)) continue;
     state.rest_times.resize(count, 0);
-    state.rest_times[b] = is_inside[b] != 0 ? -kPartingTime : std::min(before + step, 0.0);
+    state.rest_times[b] = is_inside[b] != 0 ? -kPartingTime : std::min(before + time_step_, 0.0);
     any_part |= state.rest_times[b] < 0;
   }
   if (!any_part) return;
@@ -78,7 +80,7 @@ void Parting::finish(double step, const Pieces& pieces, std::span<const Momentum
     Index& first = first_of[groups[body]];
     if (first == kNone) first = p;
     group_of[p] = first;
-    if (is_inside[body] == 0) kept[p] = 1 / (1 + kPartingDamping * step);
+    if (is_inside[body] == 0) kept[p] = 1 / (1 + kPartingDamping * time_step_);
   }
   std::vector<MomentumSums> before(start.begin(), start.end());
   std::vector<MomentumSums> after = pieces.momentum(
@@ -93,7 +95,7 @@ void Parting::finish(double step, const Pieces& pieces, std::span<const Momentum
   for (Index p = 0; p < pieces.count(); ++p) {
     if (group_of[p] != p) continue;
     together[p] = after[p].motion();
-    const double speed = together[p].shift.norm(), most = (before[p].velocity() + gained).norm();
+    const double speed = together[p].shift.norm(), most = (before[p].velocity() + gained_).norm();
     if (speed > most) excess[p] = (1 - most / speed) * together[p].shift;
   }
   pieces.visit_vertices([&](Index p, Index v) {

@@ -34,12 +34,12 @@ TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle>
       max_throw_(kMaxThrow * extent_of<3>(model.rest_positions).diagonal()),
       body_of_(bodies_of_vertices(model)),
       free_momentum_(model),
-      parting_(model, body_of_),
+      parting_(model, body_of_, options.time_step, options.gravity),
       half_thickness_(half_thickness_of(model)) {
   check_options(options);
   check_state(model, initial);
   check_handles(model, handles_);
-  colliders_ = prepare_colliders(colliders);
+  colliders_ = bury_faces(element_size_, prepare_colliders(colliders));
   for (const Handle& handle : handles_) {
     std::vector<Vec3>& positions = handle_positions_.emplace_back();
     for (const Index v : handle.vertices) positions.push_back(initial.positions[v]);
@@ -385,8 +385,8 @@ void TimeStep::finish(State& state) {
     });
   state.time = step_.end_time;
   ++state.steps;
-  const Vec3 gained = options_.time_step * options_.gravity;
-  if (gate_) parting_.finish(options_.time_step, free_momentum_.pieces(), start_momentum_, gained, contacts_, state);
+  const std::vector<Index> deep = find_deep_vertices(collider_contacts_, collider_states_, colliders_, step_);
+  if (gate_) parting_.finish(free_momentum_.pieces(), start_momentum_, contacts_, deep, state);
   if (!sleep_) return;
   std::vector<Index> penetrating;
   for (const Index v : draw_off_.vertices())

@@ -62,13 +62,13 @@ void compare_with_places(const Shape& shape, const char* name) {
 
 TEST(Passage, IsThatOfDensePointsOnTheWay) {
   compare_with_places(SphereShape{{0.2, 0.1, 0}, 0.7}, "sphere");
-  compare_with_places(CylinderShape{{0, 0.1, 0.1}, Vec3(1, 2, 3).normalized(), 0.6, 1}, "cylinder");
+  compare_with_places(PreparedCylinder{{{0, 0.1, 0.1}, Vec3(1, 2, 3).normalized(), 0.6, 1}}, "cylinder");
   compare_with_places(mesh_collider(make_ball(0.8, 0.3)), "ball");
   compare_with_places(mesh_collider(make_torus(0.8, 0.35, 0.2)), "torus");
 }
 
 TEST(Passage, LeadsBackOnlyWhereTheWayWentThrough) {
-  const CylinderShape plate{Vec3::Zero(), Vec3::UnitZ(), 2, 0.1};
+  const PreparedCylinder plate{{Vec3::Zero(), Vec3::UnitZ(), 2, 0.1}};
   // Through, to past the middle, and not as far.
   for (const double depth : {0.5, 0.08, 0.02}) {
     const auto hit = find_hit_on_way(plate, Vec3(0, 0, 0.05), Vec3(0.1, 0, 0.05 - depth));

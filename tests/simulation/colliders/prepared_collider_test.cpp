@@ -3,6 +3,7 @@
 #include "random.h"
 #include "selvage/mesh/simplex_mesh.h"
 #include "selvage/shapes/shapes.h"
+#include "simulation/colliders/colliders.h"
 #include "test_scale.h"
 
 #include <gtest/gtest.h>
@@ -60,6 +61,46 @@ TEST(PreparedColliders, AreClearOfNoBoxWithAPointInside) {
     EXPECT_GT(clear[o], 0) << o;
     EXPECT_GT(hit[o], 0) << o;
   }
+}
+
+/// The way out for a point in a box of 1 m that stands on a floor, nearer to that than to a side.
+Vec3 way_out_of_box(double height, const Motion& motion = {}) {
+  const MeshShape box = colliders::solid_box({0, 0, height}, {1, 1, height + 1});
+  const auto prepared = bury_faces(
+      0.1, prepare_colliders(std::vector<Collider>{{.shape = box, .motion = motion}, {.shape = PlaneShape{}}}));
+  return std::visit([&](const auto& shape) { return find_hit(shape, Vec3(0.9, 0.5, height + 0.05))->normal; },
+                    prepared[0].shape);
+}
+
+TEST(PreparedColliders, HaveNoWayOutOntoAnotherThatTheyStandOn) {
+  for (const double height : {-0.3, -0.01, 0.0, 0.02}) EXPECT_EQ(way_out_of_box(height), Vec3::UnitX()) << height;
+  EXPECT_EQ(way_out_of_box(0.03), -Vec3::UnitZ());  // an element gets between the two
+  Motion rising;
+  rising.keyframes = {{.time = 0}, {.time = 1, .translation = Vec3::UnitZ()}};
+  EXPECT_EQ(way_out_of_box(0, rising), -Vec3::UnitZ());
+}
+
+TEST(PreparedColliders, LeaveACylinderThatStandsOnAFloorByItsOtherEndOrItsSide) {
+  const std::vector<Collider> standing{{.shape = CylinderShape{{0, 0, 0.05}, Vec3::UnitZ(), 0.3, 0.1}},
+                                       {.shape = PlaneShape{}}};
+  const auto prepared = bury_faces(0.1, prepare_colliders(standing));
+  const auto leave = [&](const Vec3& p) {
+    return std::visit([&](const auto& shape) { return find_hit(shape, p); }, prepared[0].shape);
+  };
+  EXPECT_EQ(leave({0.1, 0, 0.02})->normal, Vec3::UnitZ());
+  EXPECT_NEAR(leave({0.1, 0, 0.02})->depth, 0.08, 1e-12);
+  EXPECT_EQ(leave({0.25, 0, 0.02})->normal, Vec3::UnitX());
+  EXPECT_FALSE(leave({0.1, 0, 0.11}));
+  EXPECT_FALSE(leave({0.1, 0, -0.01}));
+}
+
+TEST(PreparedColliders, HaveAWayOutWhereAllFacesAreInAnother) {
+  const std::vector<Collider> nested{{.shape = colliders::solid_box({0, 0, 0}, {1, 1, 1})},
+                                     {.shape = colliders::solid_box({-1, -1, -1}, {2, 2, 2})}};
+  const auto prepared = bury_faces(0.1, prepare_colliders(nested));
+  const auto hit = find_hit(std::get<MeshCollider>(prepared[0].shape), Vec3(0.5, 0.5, 0.9));
+  ASSERT_TRUE(hit);
+  EXPECT_NEAR(hit->depth, 0.1, 1e-12);
 }
 
 }  // namespace
