@@ -209,9 +209,8 @@ void bind_simulation(nb::module_& m) {
           },
           nb::sig("def rest_times(self) -> Floats"),
           "(b,) float64 [s]: for how long each body, with all that is near it, has hardly moved. With `sleep_speed` in "
-          "the scene, bodies sleep after half a second of it. Below 0: for how much longer a body that was in another "
-          "is "
-          "damped.")
+          "the scene, bodies sleep after half a second of it. Below 0: for how much longer a body that was in another, "
+          "or in a collider, is damped.")
       .def(
           "wake", [](Simulation& s) { s.state.rest_times.clear(); },
           "Wakes all bodies. A change of `positions` does so by itself; a velocity and forces wake what they move.")

@@ -61,7 +61,7 @@ struct State {
   std::int64_t steps = 0;        ///< done so far
   /// (n_bodies) for how long each body, with all that is near it, has hardly moved [s]; empty: none has. What is moved
   /// by hand between steps wakes where these are cleared, or where it gets a velocity: StepOptions::sleep_speed. Below
-  /// 0: for how much longer a body that was in another is damped.
+  /// 0: for how much longer a body that was in another, or in a collider, is damped.
   std::vector<double> rest_times{};
 };
 

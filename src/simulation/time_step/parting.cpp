@@ -39,9 +39,8 @@ std::vector<Index> Parting::groups_of(std::span<const Contact> met, const State&
   });
   UnionFind near(count);
   for (std::size_t a = 0; a < count; ++a)
-    for (std::size_t b = a + 1; b < count; ++b)
-      if (!boxes[a].isEmpty() && !boxes[b].isEmpty() && boxes[a].intersects(boxes[b]))
-        near.join(static_cast<Index>(a), static_cast<Index>(b));
+    for (std::size_t b = a + 1; b < count && !boxes[a].isEmpty(); ++b)
+      if (!boxes[b].isEmpty() && boxes[a].intersects(boxes[b])) near.join(static_cast<Index>(a), static_cast<Index>(b));
   for (const Contact& contact : met)
     if (lies_between_bodies(contact))
       near.join(body_of_[contact.vertices[0]], body_of_[contact.vertices[contact.count - 1]]);

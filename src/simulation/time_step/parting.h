@@ -25,7 +25,7 @@ class Parting {
   Parting(const Model& model, std::span<const Index> body_of, double time_step, const Vec3& gravity)
       : model_(model), body_of_(body_of), time_step_(time_step), gained_(time_step * gravity) {}
 
-  /// O(contacts), and O(n) while bodies part.
+  /// O(contacts), and O(n + bodies^2) while bodies part.
   /// @param start     (n_pieces) at the start of the step
   /// @param contacts  of the step
   /// @param deep      vertices that start it deep in colliders that stand still
