@@ -75,6 +75,9 @@ PreparedShapes prepare_shape(const std::string& where, const KeyframedShape& sha
   return {MeshCollider(where, {shape.positions.front(), shape.triangles})};
 }
 
+/// Part of an element's size: what is thinner than that fits between two colliders.
+constexpr double kBuriedGap = 0.05;
+
 /// @param is_in_another  of a point, whether it is in another collider
 template <typename IsInAnother>
 std::vector<std::uint8_t> buried_of(const MeshCollider& mesh, double gap, IsInAnother&& is_in_another) {
@@ -123,7 +126,7 @@ std::vector<PreparedCollider> prepare_colliders(std::span<const Collider> collid
 }
 
 std::vector<PreparedCollider> bury_faces(double element_size, std::vector<PreparedCollider> colliders) {
-  const double gap = element_size / 4;
+  const double gap = kBuriedGap * element_size;
   for (PreparedCollider& collider : colliders) {
     if (!collider.is_fixed()) continue;
     const auto is_in_another = [&](const Vec3& point) {

@@ -130,7 +130,7 @@ std::vector<PreparedCollider> prepare_colliders(std::span<const Collider> collid
 
 /// Where a mesh or a cylinder stands on another collider, or in it, no way out leads through the faces between them.
 /// Only for those that never move. O(triangles log n).
-/// @param element_size  of what is to come out [m]: no quarter of it gets between the two
+/// @param element_size  of what is to come out [m]: a twentieth of it may be between the two
 std::vector<PreparedCollider> bury_faces(double element_size, std::vector<PreparedCollider> colliders);
 
 /// @throws Error  when a motion is impossible
