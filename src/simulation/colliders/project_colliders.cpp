@@ -77,7 +77,7 @@ struct MovingCollider {
   /// @param max_correction  what starts the step deeper inside comes out by so much [m]
   template <typename Shape>
   void push_out(const Shape& shape, const Step& step, std::int64_t v, const Vec3& was, double max_correction,
-                const Vec3& ejected, ColliderContactState& state, StepVertex& vertex,
+                const Vec3& ejected, const Vec3& way, ColliderContactState& state, StepVertex& vertex,
                 ColliderContacts& contacts) const {
     const Vec3 p = to_local(vertex);
     const std::optional<Hit> hit = find_hit_on_way(shape, was, p);
@@ -90,9 +90,11 @@ struct MovingCollider {
         state.way_out = end.rotation * at_start->normal;
         state.start_depth = at_start->depth;
         state.depth_left = std::max(0.0, at_start->depth - max_correction);
+        state.waits = kHasFarSide<Shape> && state.depth_left > 0 && state.way_out.dot(way) < 0;
         ++contacts.started_inside;
       }
     }
+    if (state.waits) return;
     const double push = hit->depth - state.depth_left;
     if (!(push > 0)) return;
     contacts.pushed.push_back(static_cast<Index>(v));
@@ -140,12 +142,13 @@ struct MovingCollider {
 class Projection {
  public:
   Projection(std::span<const PreparedCollider> colliders, const Step& step, std::span<const double> max_corrections,
-             std::span<const double> half_thickness, std::span<const Vec3> ejected,
+             std::span<const double> half_thickness, std::span<const Vec3> ejected, std::span<const Vec3> ways,
              std::span<ColliderContactState> states, std::span<StepVertex> vertices)
       : step_(step),
         max_corrections_(max_corrections),
         half_thickness_(half_thickness),
         ejected_(ejected),
+        ways_(ways),
         states_(states),
         vertices_(vertices) {
     for (const double half : half_thickness) largest_half_ = std::max(largest_half_, half);
@@ -202,6 +205,7 @@ class Projection {
     for (const std::int64_t v : std::span(hits.pushed).subspan(pushed_before))
       for (std::size_t c = 0; c < colliders_.size(); ++c) {
         const ColliderContactState& state = states_[v * colliders_.size() + c];
+        if (state.step == step_.number && state.waits) continue;
         const double depth_left = state.step == step_.number ? state.depth_left : 0;
         colliders_[c].set_on_surface(step_, v, half_thickness_of(v), depth_left, vertices_[v]);
       }
@@ -218,7 +222,8 @@ class Projection {
       if (half == 0 && colliders_[c].is_outside(shape, vertices_[v])) continue;
       const Vec3 was = colliders_[c].start_of(step_, v);
       const auto push_out = [&](const auto& own) {
-        colliders_[c].push_out(own, step_, v, was, max_corrections_[v], ejected_[v], states_[v * colliders_.size() + c],
+        colliders_[c].push_out(own, step_, v, was, max_corrections_[v], ejected_[v],
+                               ways_.empty() ? Vec3(Vec3::Zero()) : ways_[v], states_[v * colliders_.size() + c],
                                vertices_[v], hits);
       };
       half > 0 ? push_out(grown_for(shape, half, was)) : push_out(shape);
@@ -229,7 +234,7 @@ class Projection {
   std::span<const double> max_corrections_;
   std::span<const double> half_thickness_;
   double largest_half_ = 0;  ///< [m]
-  std::span<const Vec3> ejected_;
+  std::span<const Vec3> ejected_, ways_;
   std::span<ColliderContactState> states_;
   std::span<StepVertex> vertices_;
   std::vector<MovingCollider> colliders_;
@@ -240,10 +245,10 @@ class Projection {
 
 ColliderContacts project_colliders(std::span<const PreparedCollider> colliders, const Step& step,
                                    std::span<const double> max_corrections, std::span<const double> half_thickness,
-                                   std::span<const Vec3> ejected, std::span<ColliderContactState> states,
-                                   std::span<StepVertex> vertices) {
+                                   std::span<const Vec3> ejected, std::span<const Vec3> ways,
+                                   std::span<ColliderContactState> states, std::span<StepVertex> vertices) {
   if (colliders.empty()) return {};
-  return Projection(colliders, step, max_corrections, half_thickness, ejected, states, vertices).project();
+  return Projection(colliders, step, max_corrections, half_thickness, ejected, ways, states, vertices).project();
 }
 
 std::vector<Index> find_deep_vertices(const ColliderContacts& contacts, std::span<const ColliderContactState> states,

@@ -18,6 +18,7 @@ struct ColliderContactState {
   double start_depth = 0;       ///< at the start of the step [m]; 0 where that is not to be undone
   double depth_left = 0;        ///< that may be left at the end of the step [m]
   std::int64_t step = -1;       ///< Step::number
+  bool waits = false;           ///< it is deep, and its way out leads against that on which its body is drawn
 
   /// The part of the push that only undoes the depth at the start of the step.
   ///
@@ -76,11 +77,15 @@ struct ColliderContacts {
 /// @param half_thickness   (n_vertices) by which cloth is held off [m]; empty: all is thin
 /// @param ejected          (n_vertices) by how much contacts sent vertices out of bodies [m]: friction does not count
 ///                         it as sliding
+/// @param ways             (n_vertices) on which bodies are drawn in the step; empty: none is. What is deeper in a
+/// solid
+///                         than it comes out by in a step, and would do so against its way, waits: the body would hook
+///                         around the solid
 /// @param states           (n_vertices x n_colliders); updated
 ColliderContacts project_colliders(std::span<const PreparedCollider> colliders, const Step& step,
                                    std::span<const double> max_corrections, std::span<const double> half_thickness,
-                                   std::span<const Vec3> ejected, std::span<ColliderContactState> states,
-                                   std::span<StepVertex> vertices);
+                                   std::span<const Vec3> ejected, std::span<const Vec3> ways,
+                                   std::span<ColliderContactState> states, std::span<StepVertex> vertices);
 
 /// Vertices that have started the step deeper in a collider that stands still than they come out by in a step; in the
 /// order of their pushes, and more than once.

@@ -96,6 +96,7 @@ void DrawOff::begin(ContactFinder& finder, const Model& model, const Pieces& pie
                     std::span<const double> max_corrections, std::span<StepVertex> vertices) {
   drawn_.clear();
   ways_.clear();
+  ways_off_edges_.clear();
   const auto count = static_cast<Index>(vertices.size());
   const auto is_held = [&](Index piece) {
     return any_vertex(count, [&](Index v) { return pieces.of_vertex(v) == piece && !(vertices[v].inverse_mass > 0); });
@@ -114,12 +115,16 @@ void DrawOff::begin(ContactFinder& finder, const Model& model, const Pieces& pie
     for (Index v = 0; v < count; ++v)
       if (pieces.of_vertex(v) == piece) length = std::min(length, kOffCollider * max_corrections[v]);
     drawn_.push_back(off.vertex);
-    ways_.resize(pieces.count(), Vec3::Zero());
-    ways_[piece] = length * off.direction;
+    ways_.resize(vertices.size(), Vec3::Zero());
+    ways_off_edges_.resize(vertices.size(), Vec3::Zero());
     // Contacts hold it else.
     const Vec3 hold = off.is_through ? against(vertices, step, pieces, piece, off.direction) : Vec3(Vec3::Zero());
-    for (Index v = 0; v < count; ++v)
-      if (pieces.of_vertex(v) == piece) position(vertices[v]) += ways_[piece] + hold;
+    for (Index v = 0; v < count; ++v) {
+      if (pieces.of_vertex(v) != piece) continue;
+      ways_[v] = length * off.direction;
+      if (!off.is_through) ways_off_edges_[v] = ways_[v];
+      position(vertices[v]) += ways_[v] + hold;
+    }
   }
 }
 

@@ -29,14 +29,15 @@ class DrawOff {
 
   /// By how far a vertex is drawn in the step [m]. It gives no speed; and what is held in place gets the speed against
   /// it, so that it is not pushed there again and again, and the material around comes to rest.
-  Vec3 way_of(Index vertex, const Pieces& pieces) const {
-    const Index piece = ways_.empty() ? kNone : pieces.of_vertex(vertex);
-    return piece == kNone ? Vec3(Vec3::Zero()) : ways_[piece];
-  }
+  Vec3 way_of(Index vertex) const { return ways_.empty() ? Vec3(Vec3::Zero()) : ways_[vertex]; }
+
+  /// (n_vertices) the same of pieces in which edges of colliders are; 0 of those that a collider is all through. Empty:
+  /// none is drawn.
+  std::span<const Vec3> ways_off_edges() const { return ways_off_edges_; }
 
  private:
   std::vector<Index> drawn_;
-  std::vector<Vec3> ways_;  ///< (n_pieces) [m]; empty: none is drawn
+  std::vector<Vec3> ways_, ways_off_edges_;  ///< (n_vertices) [m]; empty: none is drawn
 };
 
 }  // namespace selvage

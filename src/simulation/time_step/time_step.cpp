@@ -318,7 +318,7 @@ void TimeStep::hold_back() {
 void TimeStep::project_colliders() {
   no_impacts_ = false;
   collider_contacts_.add(selvage::project_colliders(colliders_, step_, max_corrections_, half_thickness_, ejected_,
-                                                    collider_states_, vertices()));
+                                                    draw_off_.ways_off_edges(), collider_states_, vertices()));
   statistics_.collider_contacts = std::ssize(collider_contacts_.pushed);
 }
 
@@ -373,7 +373,7 @@ void TimeStep::finish(State& state) {
   parallel_for(vertex_count(), kGrain, [&](std::int64_t i) {
     const auto v = static_cast<Index>(i);
     const Vec3 moved = position(v) - state.positions[v];
-    const Vec3 drawn = draw_off_.way_of(v, free_momentum_.pieces());
+    const Vec3 drawn = draw_off_.way_of(v);
     state.velocities[v] = (moved - drawn - depenetration_of(v, moved)) / options_.time_step;
     state.positions[v] = position(v);
   });

@@ -115,6 +115,15 @@ TEST(Parting, LeavesABlockBesideTheColliderThatItStartsIn) {
   EXPECT_LT(sunk.farthest, 0.4);
 }
 
+/// Most of the block is in the wall, and vertices beyond its middle are nearest to its other side.
+TEST(Parting, LeavesNoBlockHookedAroundAWall) {
+  for (const double side : {0.1, 0.14}) {
+    const Freed block(MeshShape(colliders::solid_box({side, -0.5, 0}, {side + 0.63, 1, 1})));
+    EXPECT_EQ(block.inside, 0) << side;
+    EXPECT_LT(block.farthest, 1) << side;
+  }
+}
+
 TEST(Parting, KeepsMomentumAndSpinInFlight) {
   const Model model = overlapping();
   State state = make_state(model, model.rest_positions);
