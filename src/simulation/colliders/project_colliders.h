@@ -77,10 +77,8 @@ struct ColliderContacts {
 /// @param half_thickness   (n_vertices) by which cloth is held off [m]; empty: all is thin
 /// @param ejected          (n_vertices) by how much contacts sent vertices out of bodies [m]: friction does not count
 ///                         it as sliding
-/// @param ways             (n_vertices) on which bodies are drawn in the step; empty: none is. What is deeper in a
-/// solid
-///                         than it comes out by in a step, and would do so against its way, waits: the body would hook
-///                         around the solid
+/// @param ways             (n_vertices) on which bodies are drawn in the step; empty: none is. A vertex deep in a solid
+///                         that would come out against its way waits: the body would hook around the solid
 /// @param states           (n_vertices x n_colliders); updated
 ColliderContacts project_colliders(std::span<const PreparedCollider> colliders, const Step& step,
                                    std::span<const double> max_corrections, std::span<const double> half_thickness,

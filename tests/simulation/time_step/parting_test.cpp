@@ -75,7 +75,7 @@ TEST(Parting, TakesNoSpeedFromTheFloor) {
   }
 }
 
-/// A block that starts half in a collider on a floor, after 300 steps.
+/// A block that starts in a collider on a floor, after 300 steps.
 struct Freed {
   Model model = make(std::vector<IndexedMesh>{moved(make_box({0.5, 0.5, 0.5}, 0.1), {0, 0, 0.02})},
                      damped(neo_hookean(1e5, 0.4), 0.002));
@@ -139,7 +139,7 @@ TEST(Parting, KeepsMomentumAndSpinInFlight) {
   EXPECT_GT(separation(model, state).distance, 0.45);
 }
 
-// What only meets, or is tangled in itself, is not damped.
+// What only meets is not damped.
 TEST(Parting, LeavesBodiesAloneThatAreOutside) {
   const IndexedMesh block = make_box({0.2, 0.2, 0.2}, 0.1);
   const Model model = make(std::vector<IndexedMesh>{block, moved(block, {0.25, 0.02, 0})}, neo_hookean(1e6, 0.4));
