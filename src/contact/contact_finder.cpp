@@ -193,13 +193,19 @@ void ContactFinder::begin_step(std::span<const Vec3> positions_t0) {
   impl_->begin_step(positions_t0);
 }
 
-std::vector<PieceWayOff> ContactFinder::choose_ways_off(const std::function<bool(Index, const Vec3&)>& is_blocked,
-                                                        std::span<const ColliderPoint> on_faces) {
+std::vector<PieceWayOff> ContactFinder::choose_ways_off(const std::function<bool(Index, const Vec3&)>& is_blocked) {
   if (!impl_->has_begun) throw Error("step", "has not begun", "call begin_step() first");
-  for (const ColliderPoint& point : on_faces)
-    if (point.vertex < impl_->mesh.vertex_count() || point.vertex >= impl_->vertex_count())
-      throw Error("on_faces", fmt::format("vertex {} is not of a collider", point.vertex));
-  return impl_->choose_ways_off(is_blocked, on_faces);
+  return impl_->choose_ways_off(is_blocked);
+}
+
+void ContactFinder::let_in(Index of_piece, std::span<const Index> of_colliders) {
+  if (!impl_->has_begun) throw Error("step", "has not begun", "call begin_step() first");
+  if (of_piece < 0 || of_piece >= impl_->mesh.vertex_count())
+    throw Error("of_piece", fmt::format("vertex {} is not of the mesh", of_piece));
+  for (const Index v : of_colliders)
+    if (v < impl_->mesh.vertex_count() || v >= impl_->vertex_count())
+      throw Error("of_colliders", fmt::format("vertex {} is not of a collider", v));
+  if (impl_->off) impl_->off->let_in(of_piece, of_colliders);
 }
 
 void ContactFinder::find_contacts(std::span<const Vec3> positions_t1, std::vector<Contact>& contacts) {

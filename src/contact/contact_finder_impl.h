@@ -71,8 +71,7 @@ struct ContactFinder::Impl {
   void append_interior_points(std::span<const Vec3> positions, std::vector<PenetratingPoint>& points) const;
   void place(std::span<const Vec3> positions);
   std::vector<BoundaryPath<3>> find_ways_out(std::span<const PenetratingPoint> points, std::span<const Vec3> positions);
-  std::vector<PieceWayOff> choose_ways_off(const std::function<bool(Index, const Vec3&)>& is_blocked,
-                                           std::span<const ColliderPoint> on_faces);
+  std::vector<PieceWayOff> choose_ways_off(const std::function<bool(Index, const Vec3&)>& is_blocked);
   void append_paths(std::span<const Vec3> positions, std::vector<Contact>& contacts);
   std::vector<std::uint8_t> leave_out_waiting(std::vector<PenetratingPoint>& points);
   void append_ways_out(std::span<const Vec3> positions, std::vector<PenetratingPoint>& points,

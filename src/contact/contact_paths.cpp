@@ -65,8 +65,8 @@ std::vector<BoundaryPath<3>> ContactFinder::Impl::find_ways_out(std::span<const 
   return found;
 }
 
-std::vector<PieceWayOff> ContactFinder::Impl::choose_ways_off(const std::function<bool(Index, const Vec3&)>& is_blocked,
-                                                              std::span<const ColliderPoint> on_faces) {
+std::vector<PieceWayOff> ContactFinder::Impl::choose_ways_off(
+    const std::function<bool(Index, const Vec3&)>& is_blocked) {
   if (!off) return {};
   const bool is_any_inside =
       std::any_of(inside_vertices.begin(), inside_vertices.end(), [&](Index v) { return is_of_collider(v); }) ||
@@ -74,8 +74,8 @@ std::vector<PieceWayOff> ContactFinder::Impl::choose_ways_off(const std::functio
                   [&](Index e) { return is_of_collider(surface.edges()[e][0]); });
   std::vector<PenetratingPoint> points;
   if (is_any_inside) points = find_boundary_points(positions_t0);
-  std::erase_if(points, [&](const PenetratingPoint& p) { return !is_of_collider(p.vertices[0]); });
-  return off->choose(positions_t0, search->locator(), points, on_faces, is_blocked);
+  std::erase_if(points, [&](const PenetratingPoint& p) { return !is_of_collider(p.vertices[0]) || off->is_let_in(p); });
+  return off->choose(positions_t0, points, is_blocked);
 }
 
 void ContactFinder::Impl::append_paths(std::span<const Vec3> positions, std::vector<Contact>& contacts) {
@@ -127,7 +127,7 @@ void ContactFinder::Impl::append_ways_out(std::span<const Vec3> positions, std::
       ++statistics.blocked_paths;
       continue;
     }
-    if (off && off->waits(points[i])) {
+    if (off && (off->is_let_in(points[i]) || off->waits(points[i]))) {
       ++statistics.waiting_points;
       continue;
     }

@@ -15,7 +15,6 @@ namespace {
 struct Pierced {
   Vec3 lower, upper;  ///< of the needle
   double pressed = 1;
-  double cell = 0.1;  ///< of the needle
 
   solids::Solid plate = solids::box({-1, -1, -0.1}, {1, 1, 0.1}, 0.1);
   TetMesh mesh = plate.mesh();
@@ -29,9 +28,8 @@ struct Pierced {
 
   /// @param blocks  a direction
   std::vector<PieceWayOff> choose(
-      const Blocks& blocks = [](const Vec3&) { return false; }, bool has_rest = true,
-      std::vector<ColliderPoint> on_faces = {}) {
-    const solids::Solid needle = solids::box(lower, upper, cell);
+      const Blocks& blocks = [](const Vec3&) { return false; }, bool has_rest = true) {
+    const solids::Solid needle = solids::box(lower, upper, 0.1);
     const TetMesh needle_mesh = needle.mesh();
     for (Vec3& p : positions) p[2] *= pressed;
     positions.insert(positions.end(), needle.positions.begin(), needle.positions.end());
@@ -46,8 +44,7 @@ struct Pierced {
     };
     EXPECT_THROW(finder.choose_ways_off(is_blocked), Error);
     finder.begin_step(positions);
-    for (ColliderPoint& point : on_faces) point.vertex += mesh.vertex_count();
-    const auto ways = finder.choose_ways_off(is_blocked, on_faces);
+    const auto ways = finder.choose_ways_off(is_blocked);
     finder.find_contacts(positions, contacts);
     statistics = finder.statistics();
     return ways;
@@ -99,22 +96,35 @@ TEST(WaysOffColliders, AreThereOnlyWhereAColliderStandsDeep) {
   EXPECT_TRUE(without_rest.choose([](const Vec3&) { return false; }, false).empty());
 }
 
-/// A wall that is wider than the plate, and higher: only its faces are inside, and diagonals of these.
-TEST(WaysOffColliders, LeadOffAWallAllThrough) {
-  const Vec3 lower(0.02, -1.4, -0.9), upper(0.06, 1.2, 0.5);
-  std::vector<ColliderPoint> on_faces;
-  for (double y = -1.35; y < 1.2; y += 0.1)
-    for (double z = -0.85; z < 0.5; z += 0.1)
-      for (const double x : {lower[0], upper[0]}) on_faces.push_back({Vec3(x, y, z), 0});
-  const auto not_across = [](const Vec3& direction) { return std::abs(direction[0]) > 0.3; };
-  Pierced pierced{lower, upper, 1, 9};
-  const auto ways = pierced.choose(not_across, true, on_faces);
-  ASSERT_EQ(ways.size(), 1u);
-  EXPECT_TRUE(ways[0].is_through);
-  EXPECT_LT((ways[0].direction - kUp).norm(), 1e-12);
-  // Its lower side has to come above the wall's upper end.
-  EXPECT_NEAR((pierced.asked.back() - 0.6 * kUp).norm(), 0, 1e-12);
-  EXPECT_THROW((Pierced{lower, upper}.choose(not_across, true, {{Vec3::Zero(), -1}})), Error);
+/// What has been let in has no contact and no way off.
+TEST(WaysOffColliders, AreNotForWhatIsLetIn) {
+  const solids::Solid plate = solids::box({-1, -1, -0.1}, {1, 1, 0.1}, 0.1),
+                      needle = solids::box({-0.03, -0.02, -0.55}, {0.04, 0.05, 0.65}, 0.1);
+  const TetMesh mesh = plate.mesh(), needle_mesh = needle.mesh();
+  std::vector<Vec3> positions = plate.positions;
+  positions.insert(positions.end(), needle.positions.begin(), needle.positions.end());
+  std::vector<VertexTuple<3>> triangles;
+  for (auto [a, b, c] : needle_mesh.boundary_faces())
+    triangles.push_back({a + mesh.vertex_count(), b + mesh.vertex_count(), c + mesh.vertex_count()});
+  ContactFinder finder(mesh, plate.positions, positions, {}, {}, triangles);
+  const std::array<Index, 1> of_needle{triangles[0][0]}, of_plate{0};
+  EXPECT_THROW(finder.let_in(0, of_needle), Error);
+  const auto never = [](Index, const Vec3&) { return false; };
+  std::vector<Contact> contacts;
+  for (const bool is_let_in : {true, false}) {
+    finder.begin_step(positions);
+    EXPECT_THROW(finder.let_in(mesh.vertex_count(), of_needle), Error);
+    EXPECT_THROW(finder.let_in(0, of_plate), Error);
+    if (is_let_in) finder.let_in(0, of_needle);
+    EXPECT_EQ(finder.choose_ways_off(never).empty(), is_let_in);
+    finder.find_contacts(positions, contacts);
+    EXPECT_EQ(contacts.empty(), is_let_in);
+    std::vector<Vec3> above = positions;
+    for (Index v = mesh.vertex_count(); v < std::ssize(above); ++v) above[v][2] += 0.8;
+    finder.begin_step(above);
+    if (is_let_in) finder.let_in(0, of_needle);
+    EXPECT_EQ(finder.find_impacts(positions).pairs.empty(), is_let_in);
+  }
 }
 
 TEST(WaysOffColliders, PressNoElementThatIsPressedFlat) {

@@ -60,19 +60,11 @@ struct ContactCloth {
   std::span<const double> thickness{};
 };
 
-/// A point on a collider's face.
-struct ColliderPoint {
-  Vec3 position;  ///< at the start of the step [m]
-  Index vertex;   ///< of the connected part of the collider's surface that the face is of
-};
-
 /// How a connected piece of the mesh that colliders stand deep in gets off them: as a whole, in one direction.
 struct PieceWayOff {
-  Index vertex;             ///< one of the piece's
-  Vec3 direction;           ///< unit
-  double way;               ///< the longest of a collider's point out of the piece, the other way [m]
-  bool is_through = false;  ///< colliders stand all through it: more of their faces than of their edges is inside, and
-                            ///< few contacts hold it
+  Index vertex;    ///< one of the piece's
+  Vec3 direction;  ///< unit
+  double way;      ///< the longest of a collider's point out of the piece, the other way [m]
 };
 
 /// Contacts of a tetrahedral mesh with itself during a step: of its objects with one another and each with itself; and
@@ -129,11 +121,16 @@ class ContactFinder {
   /// elements that are pressed flat have none, as these would be pressed on. For kHybrid with shortest paths and rest
   /// positions; else there are none. O(elements) where there are any, and some thousand elements for each point inside.
   /// @param is_blocked  by a vertex of the piece and the way by which the piece would move [m]
-  /// @param on_faces    of colliders, besides the vertices and edges of their surfaces: a wall that stands all through
-  ///                    a body has none of these inside
-  /// @throws Error      before the first begin_step(); when a position is not finite, or a vertex is not of a collider
-  std::vector<PieceWayOff> choose_ways_off(const std::function<bool(Index, const Vec3&)>& is_blocked,
-                                           std::span<const ColliderPoint> on_faces = {});
+  /// @throws Error      before the first begin_step()
+  std::vector<PieceWayOff> choose_ways_off(const std::function<bool(Index, const Vec3&)>& is_blocked);
+
+  /// To be called, if at all, between begin_step() and choose_ways_off(), where that may be called.
+  /// In the rest of the step a connected piece of the mesh and connected parts of colliders' surfaces do not meet: no
+  /// contact and no impact is between them. O(vertices), and O(pieces let in) for each point inside.
+  /// @param of_piece      a vertex of the piece
+  /// @param of_colliders  vertices of colliders
+  /// @throws Error        before the first begin_step(); when a vertex is not of the mesh, or not of a collider
+  void let_in(Index of_piece, std::span<const Index> of_colliders);
 
   /// Contacts of the step that ends at the given positions, sorted by kind, then by what penetrates: for each point
   /// that is inside an element its way out; for each free vertex its first impact on a face; pairs of free edges that

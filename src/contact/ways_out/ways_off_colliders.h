@@ -25,23 +25,29 @@ class WaysOffColliders {
                    Index body_faces);
 
   /// A new step: no piece has a way off.
-  void begin_step() { chosen_.clear(); }
+  void begin_step() {
+    chosen_.clear();
+    let_in_.clear();
+  }
+
+  /// Lets a piece and parts of colliders into each other, both by vertices of them.
+  void let_in(Index of_mesh, std::span<const Index> of_colliders);
+
+  /// Whether a point is of a collider that has been let into the piece that the point is in.
+  bool is_let_in(const PenetratingPoint& point) const;
 
   /// Chooses a way off for each piece that some point of a collider stands in by more than a quarter of an edge,
   /// whatever the direction: the shortest that is not blocked. A piece has to move until the last vertex of the
   /// collider that is beside it is beyond a face by which some point leaves it: an upper bound where the piece is
   /// convex. O(elements), and for each of some thirty directions O(points (elements on their ways + vertices beside)).
   /// @param positions    (n_vertices) at the start of the step, of the mesh, then of colliders [m]
-  /// @param locator      of the mesh, there
-  /// @param on_surfaces  of colliders' surfaces, each in its element
-  /// @param on_faces     inside or not; they count for pieces in which more of them are than of the others
+  /// @param points       of colliders' surfaces, each in its element
   /// @param is_blocked   by a vertex of the piece and the way by which the piece would move [m]
-  std::vector<PieceWayOff> choose(std::span<const Vec3> positions, const PointLocator<3>& locator,
-                                  std::span<const PenetratingPoint> on_surfaces,
-                                  std::span<const ColliderPoint> on_faces,
+  std::vector<PieceWayOff> choose(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
                                   const std::function<bool(Index, const Vec3&)>& is_blocked);
 
-  bool empty() const { return chosen_.empty(); }
+  /// Whether no piece has a way off or has been let into a collider.
+  bool empty() const { return chosen_.empty() && let_in_.empty(); }
 
   /// Replaces the ways out of colliders' points in pieces with a way off: straight, the other way.
   /// @param paths  (n_points) updated
@@ -52,8 +58,7 @@ class WaysOffColliders {
   /// than three tenths of its rest volume at the start of the step: it would be pressed on.
   bool waits(const PenetratingPoint& point) const;
 
-  /// Whether a vertex of the mesh is of a piece with a way off, and another of a collider that stands all through it:
-  /// then the edges of the collider have to run into the piece on that way.
+  /// Whether a vertex of the mesh is of a piece, and another of a part of a collider, that have been let in.
   bool lets_in(Index of_mesh, Index of_collider) const;
 
  private:
@@ -61,30 +66,20 @@ class WaysOffColliders {
   struct Chosen {
     Index piece;
     Vec3 direction;
-    std::vector<Index> parts;  ///< of colliders that stand all through it, ascending
-  };
-
-  /// The shortest first, and the colliders' points that are beside the piece.
-  struct Ways {
-    std::vector<WayOff> ways;
-    std::vector<Vec3> near;
   };
 
   const Chosen* chosen_for(const PenetratingPoint& point) const;
   double edge_at(Index element) const;
   std::vector<BoundaryPath<3>> straight_ways(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
                                              const Vec3& direction) const;
-  std::vector<Index> parts_of(std::span<const PenetratingPoint> points) const;
-  std::vector<Vec3> beside(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
-                           std::span<const ColliderPoint> on_faces) const;
-  Ways ways_of(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
-               std::span<const ColliderPoint> on_faces) const;
-  bool ends_inside(const PointLocator<3>& locator, std::span<const Vec3> near, Index piece, const WayOff& off) const;
+  std::vector<Vec3> beside(std::span<const Vec3> positions, std::span<const PenetratingPoint> points) const;
+  std::vector<WayOff> ways_of(std::span<const Vec3> positions, std::span<const PenetratingPoint> points) const;
 
   const TetMesh& mesh_;
   std::vector<Vec3> rest_positions_, start_positions_;
   std::vector<Index> pieces_;  ///< (n_elements)
   std::vector<Chosen> chosen_;
+  std::vector<std::array<Index, 2>> let_in_;  ///< pieces and parts, ascending
   std::vector<Index> colliders_;  ///< (n_vertices of the surface) the connected part of a collider that each is of
 };
 

@@ -1,14 +1,9 @@
 #include "simulation/colliders/collider_surface.h"
 
-#include "core/union_find.h"
-#include "simulation/colliders/sample_face.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <set>
-#include <tuple>
 #include <utility>
 
 namespace selvage {
@@ -27,8 +22,6 @@ constexpr double kFlat = 0.01;
 /// Parts into which all edges of a collider are divided, at most: the size of the surface is bounded, whatever the
 /// proportion of colliders to elements.
 constexpr double kMaxParts = 200'000;
-/// Between points of faces, in element sizes.
-constexpr double kFaceSpacing = 1;
 
 class Builder {
  public:
@@ -75,25 +68,10 @@ class Builder {
     const double by_length = parts_of(2 * std::numbers::pi * radius, 2 * std::numbers::pi * radius);
     return static_cast<int>(std::ceil(std::max(by_height, by_length)));
   }
-  /// One point in each cell of a grid, at most kMaxParts.
-  /// @param move  a point behind the face
-  template <typename Move>
-  void face_points(const std::array<Vec3, 3>& face, double spacing, Index vertex, Move&& move) {
-    const Eigen::AlignedBox3d all(Vec3::Constant(-HUGE_VAL), Vec3::Constant(HUGE_VAL));
-    sample_face(face, all, spacing, [&](const Vec3& p) {
-      const Vec3 cell = (p / spacing).array().floor();
-      if (cells_.insert({vertex, cell[0], cell[1], cell[2]}).second) surface_.face_points.push_back({move(p), vertex});
-    });
-  }
-  /// @param length  of slivers, whose area is small
-  double face_spacing_of(double area, double length) const {
-    return std::max({kFaceSpacing * size_, std::sqrt(area / kMaxParts), length / kMaxParts});
-  }
   double inset_of(double thickness) const { return std::min(kInset * size_, kThinInset * thickness); }
 
   double size_;
   ColliderSurface surface_;
-  std::set<std::tuple<Index, double, double, double>> cells_;  ///< that have a face point, by its vertex
 };
 
 /// The edge of the rim, with strips of the flat around it and of the wall below.
@@ -185,12 +163,6 @@ void Builder::add_shape(const CylinderShape& cylinder) {
   add_ring(radius - strip, -half);
   for (const double height : heights) add_ring(radius, height);
   add_ring(radius - strip, half);
-  const double end_spacing = face_spacing_of(2 * std::numbers::pi * radius * radius, 2 * radius);
-  for (const auto& [ring, height] : {std::pair(rings.front(), -half), std::pair(rings.back(), half)})
-    for (int i = 0; i < sides && radius - strip > end_spacing / 2; ++i)
-      face_points({surface_.positions[ring[i]], surface_.positions[ring[(i + 1) % sides]],
-                   cylinder.centre + height * cylinder.axis},
-                  end_spacing, ring[0], [](const Vec3& p) { return p; });
   for (std::size_t k = 0; k + 1 < rings.size(); ++k) {
     if (is_wide && k == 2) continue;
     for (int i = 0; i < sides; ++i) {
@@ -309,26 +281,6 @@ void Builder::add_shape(const MeshCollider& collider) {
         }
       }
     }
-  }
-
-  // Any vertex of the surface that is of the same part of the mesh.
-  UnionFind parts(collider.positions().size());
-  double area = 0;
-  for (Index t = 0; t < mesh.triangle_count(); ++t) {
-    const auto& [i, k, l] = mesh.triangles()[t];
-    parts.join(i, k);
-    parts.join(i, l);
-    const auto [a, b, c] = collider.corners(t);
-    area += (b - a).cross(c - a).norm() / 2;
-  }
-  std::vector<Index> of_part(vertices.size(), kNone);
-  for (std::size_t v = 0; v < vertices.size(); ++v)
-    if (vertices[v] != kNone) of_part[parts.lowest(static_cast<Index>(v))] = vertices[v];
-  const double spacing = face_spacing_of(area, total);
-  for (Index t = 0; t < mesh.triangle_count(); ++t) {
-    const Index of_surface = of_part[parts.lowest(mesh.triangles()[t][0])];
-    if (of_surface == kNone) continue;
-    face_points(collider.corners(t), spacing, of_surface, [&](const Vec3& p) { return inset.move_inward(p, {&t, 1}); });
   }
 }
 

@@ -15,15 +15,6 @@ struct ColliderSurface {
   std::vector<VertexTuple<3>> triangles;    ///< outward
   std::vector<Index> collider_of_vertices;  ///< (n_positions)
 
-  /// A point of a face that the triangles leave out; no triangle has it.
-  struct FacePoint {
-    Vec3 position;
-    Index vertex;  ///< of the connected part of the surface that the face is of
-  };
-  /// Some of such faces, of meshes that do not change and of ends of cylinders, an element size apart: a wall that
-  /// stands all through a body has none of its edges inside.
-  std::vector<FacePoint> face_points;
-
   /// With numbers of vertices that follow others.
   std::vector<VertexTuple<3>> triangles_after(Index vertex_count) const;
 };

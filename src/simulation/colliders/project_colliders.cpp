@@ -205,7 +205,7 @@ class Projection {
     for (const std::int64_t v : std::span(hits.pushed).subspan(pushed_before))
       for (std::size_t c = 0; c < colliders_.size(); ++c) {
         const ColliderContactState& state = states_[v * colliders_.size() + c];
-        if (state.step == step_.number && state.waits) continue;
+        if (state.step == step_.number && (state.waits || state.is_let_in)) continue;
         const double depth_left = state.step == step_.number ? state.depth_left : 0;
         colliders_[c].set_on_surface(step_, v, half_thickness_of(v), depth_left, vertices_[v]);
       }
@@ -216,7 +216,7 @@ class Projection {
   template <typename Shape>
   void push_run_out(std::size_t c, const Shape& shape, std::int64_t first, std::int64_t last, ColliderContacts& hits) {
     for (std::int64_t v = first; v < last; ++v) {
-      if (!(vertices_[v].inverse_mass > 0)) continue;
+      if (!(vertices_[v].inverse_mass > 0) || states_[v * colliders_.size() + c].lets_in(step_)) continue;
       const double half = half_thickness_of(v);
       if (colliders_[c].is_far(step_, v, half, vertices_[v])) continue;
       if (half == 0 && colliders_[c].is_outside(shape, vertices_[v])) continue;
@@ -265,7 +265,8 @@ std::vector<Index> find_deep_vertices(const ColliderContacts& contacts, std::spa
 }
 
 std::vector<ColliderEntry> find_entries(std::span<const PreparedCollider> colliders, const Step& step,
-                                        std::span<const double> max_corrections, std::span<const Index> vertices,
+                                        std::span<const double> max_corrections,
+                                        std::span<const ColliderContactState> states, std::span<const Index> vertices,
                                         std::span<const StepVertex> positions) {
   std::vector<MovingCollider> moving;
   for (const PreparedCollider& collider : colliders) moving.emplace_back(collider, step);
@@ -274,7 +275,8 @@ std::vector<ColliderEntry> find_entries(std::span<const PreparedCollider> collid
     const Index v = vertices[i];
     if (!(positions[v].inverse_mass > 0)) return;
     for (std::size_t c = 0; c < moving.size() && entered[i] == kNone; ++c)
-      if (moving[c].is_entered(step, v, kContactGap * max_corrections[v], positions[v]))
+      if (!states[v * colliders.size() + c].lets_in(step) &&
+          moving[c].is_entered(step, v, kContactGap * max_corrections[v], positions[v]))
         entered[i] = static_cast<Index>(c);
   });
   std::vector<ColliderEntry> entries;

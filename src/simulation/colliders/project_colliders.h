@@ -19,6 +19,10 @@ struct ColliderContactState {
   double depth_left = 0;        ///< that may be left at the end of the step [m]
   std::int64_t step = -1;       ///< Step::number
   bool waits = false;           ///< it is deep, and its way out leads against that on which its body is drawn
+  bool is_let_in = false;       ///< the collider does not act on it in the step
+
+  bool acts(const Step& in) const { return step == in.number && !is_let_in; }
+  bool lets_in(const Step& in) const { return step == in.number && is_let_in; }
 
   /// The part of the push that only undoes the depth at the start of the step.
   ///
@@ -79,7 +83,7 @@ struct ColliderContacts {
 ///                         it as sliding
 /// @param ways             (n_vertices) on which bodies are drawn in the step; empty: none is. A vertex deep in a solid
 ///                         that would come out against its way waits: the body would hook around the solid
-/// @param states           (n_vertices x n_colliders); updated
+/// @param states           (n_vertices x n_colliders); updated. What is_let_in is not pushed
 ColliderContacts project_colliders(std::span<const PreparedCollider> colliders, const Step& step,
                                    std::span<const double> max_corrections, std::span<const double> half_thickness,
                                    std::span<const Vec3> ejected, std::span<const Vec3> ways,
@@ -96,9 +100,11 @@ struct ColliderEntry {
 };
 
 /// Entries of those of some vertices that started the step outside of the collider, or deeper now than then by more
-/// than kContactGap of their largest correction. Parallel; in order.
+/// than kContactGap of their largest correction; but for what is let in. Parallel; in order.
+/// @param states  (n_vertices x n_colliders)
 std::vector<ColliderEntry> find_entries(std::span<const PreparedCollider> colliders, const Step& step,
-                                        std::span<const double> max_corrections, std::span<const Index> vertices,
+                                        std::span<const double> max_corrections,
+                                        std::span<const ColliderContactState> states, std::span<const Index> vertices,
                                         std::span<const StepVertex> positions);
 
 }  // namespace selvage

@@ -1,7 +1,7 @@
 #include "simulation/time_step/draw_off.h"
 
-#include "mesh/position_extent.h"
 #include "simulation/colliders/passage.h"
+#include "simulation/time_step/ways_out_of_solids.h"
 
 #include <algorithm>
 
@@ -62,21 +62,6 @@ bool any_vertex(Index count, Predicate&& predicate) {
       .value;
 }
 
-/// Points of colliders' faces at the start of a step that lie in the box around all bodies.
-std::vector<ColliderPoint> points_near(const Model& model, std::span<const PreparedCollider> colliders,
-                                       const ColliderSurface& surface, const Step& step) {
-  std::vector<ColliderPoint> points;
-  if (surface.face_points.empty()) return points;
-  const PositionExtent<3> extent = extent_of<3>(step.positions.first(model.mesh.vertex_count()));
-  const Eigen::AlignedBox3d box(extent.lower, extent.upper);
-  std::vector<RigidTransform> places;
-  for (const PreparedCollider& collider : colliders) places.push_back(collider.motion.at(step.start_time));
-  for (const auto& [position, vertex] : surface.face_points)
-    if (const Vec3 p = places[surface.collider_of_vertices[vertex]](position); box.contains(p))
-      points.push_back({p, model.mesh.vertex_count() + vertex});
-  return points;
-}
-
 /// What takes from a piece its mean motion against a direction.
 Vec3 against(std::span<const StepVertex> vertices, const Step& step, const Pieces& pieces, Index piece,
              const Vec3& direction) {
@@ -91,12 +76,72 @@ Vec3 against(std::span<const StepVertex> vertices, const Step& step, const Piece
 
 }  // namespace
 
-void DrawOff::begin(ContactFinder& finder, const Model& model, const Pieces& pieces,
-                    std::span<const PreparedCollider> colliders, const ColliderSurface& surface, const Step& step,
-                    std::span<const double> max_corrections, std::span<StepVertex> vertices) {
+void DrawOff::begin() {
   drawn_.clear();
+  across_count_ = 0;
   ways_.clear();
   ways_off_edges_.clear();
+}
+
+void DrawOff::draw(const PieceWayOff& off, bool is_across, const Pieces& pieces, const Step& step,
+                   std::span<const double> max_corrections, std::span<StepVertex> vertices) {
+  const auto count = static_cast<Index>(vertices.size());
+  const Index piece = pieces.of_vertex(off.vertex);
+  double length = off.way;
+  for (Index v = 0; v < count; ++v)
+    if (pieces.of_vertex(v) == piece) length = std::min(length, kOffCollider * max_corrections[v]);
+  drawn_.push_back(off.vertex);
+  ways_.resize(vertices.size(), Vec3::Zero());
+  ways_off_edges_.resize(vertices.size(), Vec3::Zero());
+  // Contacts hold it else.
+  const Vec3 hold = is_across ? against(vertices, step, pieces, piece, off.direction) : Vec3(Vec3::Zero());
+  for (Index v = 0; v < count; ++v) {
+    if (pieces.of_vertex(v) != piece) continue;
+    ways_[v] = length * off.direction;
+    if (!is_across) ways_off_edges_[v] = ways_[v];
+    position(vertices[v]) += ways_[v] + hold;
+  }
+}
+
+void DrawOff::leave_solids(ContactFinder& finder, const Model& model, const Pieces& pieces,
+                           std::span<const PreparedCollider> colliders, const ColliderSurface& surface,
+                           const Step& step, std::span<const double> max_corrections,
+                           std::span<ColliderContactState> states, std::span<StepVertex> vertices) {
+  const auto count = static_cast<Index>(vertices.size());
+  const auto is_blocked = [&](Index piece, const Vec3& way, std::span<const Index> solids) {
+    return any_vertex(count, [&](Index v) {
+      if (pieces.of_vertex(v) != piece) return false;
+      if (!(vertices[v].inverse_mass > 0)) return true;
+      if (model.mesh.vertex_boundary_faces(v).empty()) return false;
+      for (Index c = 0; c < std::ssize(colliders); ++c)
+        if (!std::binary_search(solids.begin(), solids.end(), c) &&
+            is_in_way(colliders[c], step.start_time, step.positions[v], way, kContactGap * max_corrections[v]))
+          return true;
+      return false;
+    });
+  };
+  for (const auto& [off, solids] : ways_out_of_solids(model, pieces, colliders, step, max_corrections, is_blocked)) {
+    std::vector<Index> of_solids;
+    for (std::size_t i = 0; i < surface.positions.size(); ++i)
+      if (std::binary_search(solids.begin(), solids.end(), surface.collider_of_vertices[i]))
+        of_solids.push_back(static_cast<Index>(model.mesh.vertex_count() + i));
+    finder.let_in(off.vertex, of_solids);
+    for (Index v = 0; v < count; ++v)
+      for (const Index c : solids) {
+        if (pieces.of_vertex(v) != pieces.of_vertex(off.vertex)) continue;
+        ColliderContactState& state = states[v * colliders.size() + c];
+        state = {};
+        state.step = step.number;
+        state.is_let_in = true;
+      }
+    draw(off, true, pieces, step, max_corrections, vertices);
+  }
+  across_count_ = drawn_.size();
+}
+
+void DrawOff::leave_edges(ContactFinder& finder, const Model& model, const Pieces& pieces,
+                          std::span<const PreparedCollider> colliders, const Step& step,
+                          std::span<const double> max_corrections, std::span<StepVertex> vertices) {
   const auto count = static_cast<Index>(vertices.size());
   const auto is_held = [&](Index piece) {
     return any_vertex(count, [&](Index v) { return pieces.of_vertex(v) == piece && !(vertices[v].inverse_mass > 0); });
@@ -108,24 +153,8 @@ void DrawOff::begin(ContactFinder& finder, const Model& model, const Pieces& pie
              is_stopped(colliders, step.start_time, step.positions[v], way, kContactGap * max_corrections[v]);
     });
   };
-  for (const PieceWayOff& off : finder.choose_ways_off(is_blocked, points_near(model, colliders, surface, step))) {
-    const Index piece = pieces.of_vertex(off.vertex);
-    if (is_held(piece)) continue;
-    double length = off.way;
-    for (Index v = 0; v < count; ++v)
-      if (pieces.of_vertex(v) == piece) length = std::min(length, kOffCollider * max_corrections[v]);
-    drawn_.push_back(off.vertex);
-    ways_.resize(vertices.size(), Vec3::Zero());
-    ways_off_edges_.resize(vertices.size(), Vec3::Zero());
-    // Contacts hold it else.
-    const Vec3 hold = off.is_through ? against(vertices, step, pieces, piece, off.direction) : Vec3(Vec3::Zero());
-    for (Index v = 0; v < count; ++v) {
-      if (pieces.of_vertex(v) != piece) continue;
-      ways_[v] = length * off.direction;
-      if (!off.is_through) ways_off_edges_[v] = ways_[v];
-      position(vertices[v]) += ways_[v] + hold;
-    }
-  }
+  for (const PieceWayOff& off : finder.choose_ways_off(is_blocked))
+    if (!is_held(pieces.of_vertex(off.vertex))) draw(off, false, pieces, step, max_corrections, vertices);
 }
 
 }  // namespace selvage

@@ -16,7 +16,8 @@ struct Carriers {
   std::vector<RigidTransform> motions;  ///< from the start of the step to its end; those of colliders last
   std::vector<Index> of_vertex;         ///< (n_contact_vertices) kNone: free
   std::span<const PreparedCollider> colliders;
-  std::span<const double> max_corrections;  ///< (n_contact_vertices) [m]
+  std::span<const double> max_corrections;       ///< (n_contact_vertices) [m]
+  std::span<const ColliderContactState> states;  ///< (n_vertices x n_colliders)
 
   Index of_collider(Index collider) const { return static_cast<Index>(motions.size() - colliders.size()) + collider; }
 

@@ -50,6 +50,12 @@ std::vector<Index> Parting::groups_of(std::span<const Contact> met, const State&
   return groups;
 }
 
+bool Parting::is_any(const State& state) const {
+  const auto& times = state.rest_times;
+  return state.steps == 0 || model_.bodies.empty() ||
+         std::any_of(times.begin(), times.end(), [](double time) { return time < 0; });
+}
+
 void Parting::finish(const Pieces& pieces, std::span<const MomentumSums> start, std::span<const Contact> contacts,
                      std::span<const Index> deep, State& state) const {
   const std::size_t count = model_.bodies.size();

@@ -89,7 +89,8 @@ void StepGate::find_impacts(ContactFinder& finder, std::span<const StepVertex> v
 }
 
 void StepGate::find_entries(const Step& step, const Carriers& carriers, std::span<const StepVertex> vertices) {
-  entries_ = selvage::find_entries(carriers.colliders, step, carriers.max_corrections, members_, vertices);
+  entries_ =
+      selvage::find_entries(carriers.colliders, step, carriers.max_corrections, carriers.states, members_, vertices);
 }
 
 /// Of an element that is thin at the end of the step.

@@ -125,8 +125,12 @@ void TimeStep::begin(const State& state, std::span<const Vec3> external_forces) 
   predict(state, external_forces);
   place_handles();
   if (!gate_) return;
-  draw_off_.begin(*contact_finder_, model_, free_momentum_.pieces(), colliders_, collider_surface_, step_,
-                  max_corrections_, vertices());
+  const Pieces& pieces = free_momentum_.pieces();
+  draw_off_.begin();
+  if (parting_.is_any(state))
+    draw_off_.leave_solids(*contact_finder_, model_, pieces, colliders_, collider_surface_, step_, max_corrections_,
+                           collider_states_, vertices());
+  draw_off_.leave_edges(*contact_finder_, model_, pieces, colliders_, step_, max_corrections_, vertices());
   for (const Index v : draw_off_.vertices()) free_momentum_.hold(v);
 }
 
@@ -169,14 +173,6 @@ bool TimeStep::is_held(const Handle& handle) const {
 bool TimeStep::is_released(const Handle& handle) const {
   const double since = step_.start_time + kTimeSlack * options_.time_step - handle.release_time;
   return since >= 0 && since < options_.time_step;
-}
-
-void TimeStep::place(Index v, const Vec3& position, double inverse_mass) {
-  vertices_[v] = {{position[0], position[1], position[2]}, inverse_mass};
-}
-
-double TimeStep::kept_velocity() const {
-  return 1 / (1 + options_.time_step * options_.velocity_damping);
 }
 
 void TimeStep::predict(const State& state, std::span<const Vec3> external_forces) {
@@ -257,7 +253,8 @@ Carriers TimeStep::carriers() const {
   Carriers carriers{.motions = {RigidTransform()},
                     .of_vertex = std::vector<Index>(vertices_.size(), kNone),
                     .colliders = colliders_,
-                    .max_corrections = max_corrections_};
+                    .max_corrections = max_corrections_,
+                    .states = collider_states_};
   const auto add = [&](const Motion& motion) {
     const RigidTransform from = motion.at(step_.start_time), to = motion.at(step_.end_time);
     const Eigen::Matrix3d rotation = to.rotation * from.rotation.transpose();
@@ -274,7 +271,7 @@ Carriers TimeStep::carriers() const {
   for (std::size_t c = 0; c < colliders_.size(); ++c) {
     const Index carrier = add(colliders_[c].motion);
     for (Index v = 0; v < vertex_count(); ++v)
-      if (collider_states_[v * colliders_.size() + c].step == step_.number && carriers.of_vertex[v] == kNone)
+      if (collider_states_[v * colliders_.size() + c].acts(step_) && carriers.of_vertex[v] == kNone)
         carriers.of_vertex[v] = carrier;
     for (std::size_t i = 0; i < collider_surface_.positions.size(); ++i)
       if (collider_surface_.collider_of_vertices[i] == static_cast<Index>(c))
@@ -385,7 +382,8 @@ void TimeStep::finish(State& state) {
     });
   state.time = step_.end_time;
   ++state.steps;
-  const std::vector<Index> deep = find_deep_vertices(collider_contacts_, collider_states_, colliders_, step_);
+  std::vector<Index> deep = find_deep_vertices(collider_contacts_, collider_states_, colliders_, step_);
+  deep.insert(deep.end(), draw_off_.across().begin(), draw_off_.across().end());
   if (gate_) parting_.finish(free_momentum_.pieces(), start_momentum_, contacts_, deep, state);
   if (!sleep_) return;
   std::vector<Index> penetrating;

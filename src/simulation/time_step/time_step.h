@@ -93,8 +93,10 @@ class TimeStep {
  private:
   Index vertex_count() const { return model_.mesh.vertex_count(); }
   Vec3 position(Index v) const { return Eigen::Map<const Eigen::Vector3d>(vertices_[v].position); }
-  void place(Index v, const Vec3& position, double inverse_mass);
-  double kept_velocity() const;
+  void place(Index v, const Vec3& position, double inverse_mass) {
+    vertices_[v] = {{position[0], position[1], position[2]}, inverse_mass};
+  }
+  double kept_velocity() const { return 1 / (1 + options_.time_step * options_.velocity_damping); }
   void predict(const State& state, std::span<const Vec3> external_forces);
   void restore_free_momentum(State& state);
   void place_handles();

@@ -90,33 +90,6 @@ TEST(ColliderSurface, PlanesContainersAndWideRoundSidesHaveNone) {
   EXPECT_TRUE(make_collider_surface(prepared(SphereShape{Vec3(0, 0, 0), 0.1}), 0).positions.empty()) << "no body";
 }
 
-/// As far from one another as elements are large, just behind the faces; none of a mesh that changes.
-TEST(ColliderSurface, HasPointsOfWideFaces) {
-  const double size = 0.1;
-  const auto box = prepared(solid_box(Vec3(0, 0, 0), Vec3(0.02, 2, 1)));
-  const auto disk = prepared(CylinderShape{Vec3(0, 0, 0), Vec3::UnitX(), 1, 0.02});
-  for (const auto& [shape, area] : {std::pair(&box, 2.0), std::pair(&disk, std::numbers::pi)}) {
-    const ColliderSurface surface = make_collider_surface(*shape, size);
-    const auto count = static_cast<double>(surface.face_points.size());
-    EXPECT_GT(count, 0.7 * area / (size * size));  // of one of the two sides, each of which may have them
-    EXPECT_LT(count, 2.5 * area / (size * size));
-    for (const auto& [position, vertex] : surface.face_points) {
-      EXPECT_GT(depth_in(*shape, position), 0);
-      EXPECT_LT(depth_in(*shape, position), 0.005);
-      EXPECT_LT(vertex, std::ssize(surface.positions));
-    }
-    // No place of the face is far from all of them.
-    Random random(1);
-    for (int i = 0; i < 200; ++i) {
-      const Vec3 p(0, random.within(0.1, 0.6), random.within(0.1, 0.6));
-      double nearest = HUGE_VAL;
-      for (const auto& point : surface.face_points) nearest = std::min(nearest, (point.position - p).norm());
-      EXPECT_LT(nearest, 1.2 * size);
-    }
-  }
-  EXPECT_TRUE(make_collider_surface(prepared(PlaneShape{}), size).face_points.empty());
-}
-
 TEST(ColliderSurface, LiesJustBehindTheShape) {
   Random random(test::seed(1));
   for (std::int64_t n = 0; n < test::scaled(60, 10); ++n) {

@@ -3,6 +3,7 @@
 #include "selvage/simulation/vbd.h"
 #include "simulation/bodies.h"
 #include "simulation/colliders/colliders.h"
+#include "simulation/colliders/prepared_collider.h"
 #include "threads.h"
 
 #include <gtest/gtest.h>
@@ -80,19 +81,27 @@ struct Freed {
   Model model = make(std::vector<IndexedMesh>{moved(make_box({0.5, 0.5, 0.5}, 0.1), {0, 0, 0.02})},
                      damped(neo_hookean(1e5, 0.4), 0.002));
   State state = make_state(model, model.rest_positions);
-  double farthest = 0;  ///< way of its middle
-  std::int64_t inside = 0;
+  double farthest = 0;                ///< way of its middle
+  double fastest = 0;                 ///< of any vertex
+  std::int64_t inside = 0, deep = 0;  ///< of its vertices: what crosses a surface, and what is in the collider
 
   Freed(decltype(Collider::shape) shape, const Vec3& start = Vec3::Zero()) {
     for (Vec3& p : state.positions) p += start;
     const Vec3 from = centre(model, state);
-    XpbdSolver solver(model, state, {}, {Collider{.shape = PlaneShape{}}, Collider{.shape = std::move(shape)}}, {});
+    const std::vector<Collider> colliders{Collider{.shape = PlaneShape{}}, Collider{.shape = std::move(shape)}};
+    XpbdSolver solver(model, state, {}, colliders, {});
     for (int step = 0; step < 300; ++step) {
       solver.step(state);
       farthest = std::max(farthest, (centre(model, state) - from).norm());
+      for (const Vec3& velocity : state.velocities) fastest = std::max(fastest, velocity.norm());
     }
     solver.step(state);
     inside = solver.statistics().unguarded_vertices;
+    for (const PreparedCollider& collider : prepare_colliders(colliders))
+      for (const Vec3& p : state.positions) {
+        const auto hit = std::visit([&](const auto& own) { return find_hit(own, p); }, collider.shape);
+        if (hit && hit->depth > 1e-3) ++deep;
+      }
   }
 };
 
@@ -113,6 +122,27 @@ TEST(Parting, LeavesABlockBesideTheColliderThatItStartsIn) {
   EXPECT_EQ(sunk.inside, 0);
   EXPECT_GT(sunk.farthest, 0.2);
   EXPECT_LT(sunk.farthest, 0.4);
+}
+
+/// Its vertices are nearest to all sides of what they start in, or to both of what lies between them: it was torn, or
+/// hooked around that, and stayed.
+TEST(Parting, LeavesNoBlockAcrossASolid) {
+  for (const auto& shape : std::vector<decltype(Collider::shape)>{
+           SphereShape{{0.27, 0.24, 0.4}, 0.2},
+           CylinderShape{{0.2, 0.27, 0.4}, Vec3::UnitZ(), 0.1, 0.8},
+           MeshShape(colliders::solid_box({0.1, -1, 0}, {0.43, 1.5, 0.7})),
+           MeshShape(colliders::solid_box({-0.3, -0.3, 0.25}, {0.7, 0.8, 0.42})),
+           MeshShape(colliders::solid_box({0.24, -0.6, 0}, {0.26, 1, 0.4})),
+       }) {
+    const Freed block(shape);
+    if (std::holds_alternative<MeshShape>(shape)) {  // A flat face lies against a round side between its vertices.
+      EXPECT_EQ(block.inside, 0);
+    }
+    EXPECT_EQ(block.deep, 0);
+    EXPECT_GT(block.farthest, 0.2);
+    EXPECT_LT(block.farthest, 1);
+    EXPECT_LT(block.fastest, 6);
+  }
 }
 
 /// Most of the block is in the wall, and vertices beyond its middle are nearest to its other side.
