@@ -41,12 +41,12 @@ struct Scenario {
     }
   }
 
-  /// Points of one side of a box, across the first axis.
+  /// Points just behind one side of a box, across the first axis: where a body lies against it none is on its surface.
   void add_side(const Vec3& lower, const Vec3& upper) {
     constexpr int kParts = 20;
     for (int i = 0; i <= kParts; ++i)
       for (int k = 0; k <= kParts; ++k) {
-        points.push_back(lower + (upper - lower).cwiseProduct(Vec3(0, i, k) / kParts));
+        points.push_back(lower + (upper - lower).cwiseProduct(Vec3(0.1, i, k) / kParts));
         motions.emplace_back();
       }
   }
@@ -177,7 +177,7 @@ TEST(TwoWayContact, ABlockComesFreeOfAWallAllThroughIt) {
     scenario.add(lower, upper);
     EXPECT_EQ(scenario.run(0), 0);
     scenario.add_side(lower, upper);
-    EXPECT_GT(scenario.run(10), 0.9 * kCell);
+    EXPECT_GT(scenario.run(10), 0.6 * kCell);
     scenario.run(900);
     EXPECT_LT(scenario.run(10), kDepth * kCell);
     EXPECT_LT(scenario.fastest, 20);
