@@ -29,7 +29,7 @@ constexpr double kOneSided = 0.5;
 constexpr int kElementEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 constexpr std::uint8_t kPressedBit = 1 << 6;
 
-/// Points of a piece that are deep in solids, and ways out of these there.
+/// Points of a piece that are in solids, and ways out of these there.
 struct Deep {
   Index vertex = kNone;  ///< one of the piece
   std::vector<Vec3> points, normals;
@@ -111,9 +111,10 @@ class Solid {
 };
 
 /// Whether a solid reaches as far as a length on all ways along its surface, so that elements cannot go around it.
-bool is_wide(const Solid& solid, const Passage& passage, double length) {
-  const auto [u, w] = across(passage.entry_normal);
-  const Vec3 inside = passage.entry - 1e-6 * length * passage.entry_normal;
+/// @param entry, normal  of the surface
+bool is_wide(const Solid& solid, const Vec3& entry, const Vec3& normal, double length) {
+  const auto [u, w] = across(normal);
+  const Vec3 inside = entry - 1e-6 * length * normal;
   for (const Vec3& way : {u, w, Vec3((u + w).normalized()), Vec3((u - w).normalized())})
     if (!(solid.way_past(inside, way) + solid.way_past(inside, -way) > length)) return false;
   return true;
@@ -133,14 +134,21 @@ struct End {
 /// @param length  at rest [m]
 bool is_edge_across(const Solid& solid, const End& a, const End& b, double length) {
   const bool is_deep = a.is_deep || b.is_deep;
-  if (a.hit && b.hit)
-    return is_deep &&
-           (a.hit->normal.dot(b.hit->normal) < kTwoSides || (a.way_out() - b.way_out()).norm() > kTorn * length);
-  const End &from = a.hit ? b : a, &to = a.hit ? a : b;
-  const std::optional<Passage> passage = solid.passage(from.position, to.position);
-  if (!passage) return false;
-  const double cosine = passage->entry_normal.dot(to.hit ? to.hit->normal : passage->exit_normal);
-  return is_deep ? cosine < kTwoSides : cosine < kMaxThroughCosine && is_wide(solid, *passage, length);
+  Vec3 entry = a.way_out(), normal = Vec3::Zero(), other = Vec3::Zero();
+  if (a.hit && b.hit) {
+    normal = a.hit->normal;
+    other = b.hit->normal;
+    if (is_deep && (a.way_out() - b.way_out()).norm() > kTorn * length) return true;
+  } else {
+    const End &from = a.hit ? b : a, &to = a.hit ? a : b;
+    const std::optional<Passage> passage = solid.passage(from.position, to.position);
+    if (!passage) return false;
+    entry = passage->entry;
+    normal = passage->entry_normal;
+    other = to.hit ? to.hit->normal : passage->exit_normal;
+  }
+  const double cosine = normal.dot(other);
+  return is_deep ? cosine < kTwoSides : cosine < kMaxThroughCosine && is_wide(solid, entry, normal, length);
 }
 
 /// Whether an edge is pressed flat where its ends come out.
@@ -171,7 +179,7 @@ std::map<Index, Deep> find_deep(const Model& model, const Pieces& pieces, const 
   });
   std::map<Index, Deep> of_pieces;
   for (Index v = 0; v < std::ssize(hits); ++v) {
-    if (!end(v).is_deep) continue;
+    if (!hits[v]) continue;
     Deep& deep = of_pieces[pieces.of_vertex(v)];
     deep.points.push_back(step.positions[v]);
     deep.normals.push_back(hits[v]->normal);
@@ -222,7 +230,8 @@ std::vector<PieceWayOff> ways_out(const Pieces& pieces, Index piece, const Deep&
   std::vector<Vec3> asked = deep.points, of_piece;
   for (Index v = 0; v < std::ssize(step.positions); ++v)
     if (pieces.of_vertex(v) == piece) of_piece.push_back(step.positions[v]);
-  for (std::size_t i = 0; i < of_piece.size(); i += of_piece.size() / kMostAsked + 1) asked.push_back(of_piece[i]);
+  // An odd stride: vertices are numbered by layers.
+  for (std::size_t i = 0; i < of_piece.size(); i += (of_piece.size() / kMostAsked) | 1) asked.push_back(of_piece[i]);
   std::vector<PieceWayOff> ways;
   for (const Vec3& direction : ways_to_try(deep)) ways.push_back({deep.vertex, direction, 0});
   parallel_for(std::ssize(ways), 1, [&](std::int64_t i) {
