@@ -45,7 +45,7 @@ class DrawOff {
   /// it, so that it is not pushed there again and again, and the material around comes to rest.
   Vec3 way_of(Index vertex) const { return ways_.empty() ? Vec3(Vec3::Zero()) : ways_[vertex]; }
 
-  /// (n_vertices) the same of pieces in which edges of colliders are; 0 of those that a collider is all through. Empty:
+  /// (n_vertices) the same of pieces in which edges of colliders are; 0 of those drawn through solids. Empty:
   /// none is drawn.
   std::span<const Vec3> ways_off_edges() const { return ways_off_edges_; }
 
