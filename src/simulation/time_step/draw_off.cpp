@@ -83,18 +83,18 @@ void DrawOff::begin() {
   ways_off_edges_.clear();
 }
 
-void DrawOff::draw(const PieceWayOff& off, bool is_across, const Pieces& pieces, const Step& step,
-                   std::span<const double> max_corrections, std::span<StepVertex> vertices) {
+void DrawOff::draw(const Input& input, const PieceWayOff& off, bool is_across, std::span<StepVertex> vertices) {
   const auto count = static_cast<Index>(vertices.size());
+  const Pieces& pieces = input.pieces;
   const Index piece = pieces.of_vertex(off.vertex);
   double length = off.way;
   for (Index v = 0; v < count; ++v)
-    if (pieces.of_vertex(v) == piece) length = std::min(length, kOffCollider * max_corrections[v]);
+    if (pieces.of_vertex(v) == piece) length = std::min(length, kOffCollider * input.max_corrections[v]);
   drawn_.push_back(off.vertex);
   ways_.resize(vertices.size(), Vec3::Zero());
   ways_off_edges_.resize(vertices.size(), Vec3::Zero());
   // Contacts hold it else.
-  const Vec3 hold = is_across ? against(vertices, step, pieces, piece, off.direction) : Vec3(Vec3::Zero());
+  const Vec3 hold = is_across ? against(vertices, input.step, pieces, piece, off.direction) : Vec3(Vec3::Zero());
   for (Index v = 0; v < count; ++v) {
     if (pieces.of_vertex(v) != piece) continue;
     ways_[v] = length * off.direction;
@@ -103,58 +103,58 @@ void DrawOff::draw(const PieceWayOff& off, bool is_across, const Pieces& pieces,
   }
 }
 
-void DrawOff::leave_solids(ContactFinder& finder, const Model& model, const Pieces& pieces,
-                           std::span<const PreparedCollider> colliders, const ColliderSurface& surface,
-                           const Step& step, std::span<const double> max_corrections,
-                           std::span<ColliderContactState> states, std::span<StepVertex> vertices) {
+void DrawOff::leave_solids(const Input& input, const ColliderSurface& surface, std::span<ColliderContactState> states,
+                           std::span<StepVertex> vertices) {
   const auto count = static_cast<Index>(vertices.size());
   const auto is_blocked = [&](Index piece, const Vec3& way, std::span<const Index> solids) {
     return any_vertex(count, [&](Index v) {
-      if (pieces.of_vertex(v) != piece) return false;
+      if (input.pieces.of_vertex(v) != piece) return false;
       if (!(vertices[v].inverse_mass > 0)) return true;
-      if (model.mesh.vertex_boundary_faces(v).empty()) return false;
-      for (Index c = 0; c < std::ssize(colliders); ++c)
+      if (input.model.mesh.vertex_boundary_faces(v).empty()) return false;
+      for (Index c = 0; c < std::ssize(input.colliders); ++c)
         if (!std::binary_search(solids.begin(), solids.end(), c) &&
-            is_in_way(colliders[c], step.start_time, step.positions[v], way, kContactGap * max_corrections[v]))
+            is_in_way(input.colliders[c], input.step.start_time, input.step.positions[v], way,
+                      kContactGap * input.max_corrections[v]))
           return true;
       return false;
     });
   };
-  for (const auto& [off, solids] : ways_out_of_solids(model, pieces, colliders, step, max_corrections, is_blocked)) {
+  for (const auto& [off, solids] :
+       ways_out_of_solids(input.model, input.pieces, input.colliders, input.step, input.max_corrections, is_blocked)) {
     std::vector<Index> of_solids;
     for (std::size_t i = 0; i < surface.positions.size(); ++i)
       if (std::binary_search(solids.begin(), solids.end(), surface.collider_of_vertices[i]))
-        of_solids.push_back(static_cast<Index>(model.mesh.vertex_count() + i));
-    finder.let_in(off.vertex, of_solids);
+        of_solids.push_back(static_cast<Index>(input.model.mesh.vertex_count() + i));
+    input.finder.let_in(off.vertex, of_solids);
     for (Index v = 0; v < count; ++v)
       for (const Index c : solids) {
-        if (pieces.of_vertex(v) != pieces.of_vertex(off.vertex)) continue;
-        ColliderContactState& state = states[v * colliders.size() + c];
+        if (input.pieces.of_vertex(v) != input.pieces.of_vertex(off.vertex)) continue;
+        ColliderContactState& state = states[v * input.colliders.size() + c];
         state = {};
-        state.step = step.number;
+        state.step = input.step.number;
         state.is_let_in = true;
       }
-    draw(off, true, pieces, step, max_corrections, vertices);
+    draw(input, off, true, vertices);
   }
   across_count_ = drawn_.size();
 }
 
-void DrawOff::leave_edges(ContactFinder& finder, const Model& model, const Pieces& pieces,
-                          std::span<const PreparedCollider> colliders, const Step& step,
-                          std::span<const double> max_corrections, std::span<StepVertex> vertices) {
+void DrawOff::leave_edges(const Input& input, std::span<StepVertex> vertices) {
   const auto count = static_cast<Index>(vertices.size());
   const auto is_held = [&](Index piece) {
-    return any_vertex(count, [&](Index v) { return pieces.of_vertex(v) == piece && !(vertices[v].inverse_mass > 0); });
+    return any_vertex(count,
+                      [&](Index v) { return input.pieces.of_vertex(v) == piece && !(vertices[v].inverse_mass > 0); });
   };
   const auto is_blocked = [&](Index of_piece, const Vec3& way) {
-    const Index piece = pieces.of_vertex(of_piece);
+    const Index piece = input.pieces.of_vertex(of_piece);
     return !is_held(piece) && any_vertex(count, [&](Index v) {
-      return pieces.of_vertex(v) == piece && !model.mesh.vertex_boundary_faces(v).empty() &&
-             is_stopped(colliders, step.start_time, step.positions[v], way, kContactGap * max_corrections[v]);
+      return input.pieces.of_vertex(v) == piece && !input.model.mesh.vertex_boundary_faces(v).empty() &&
+             is_stopped(input.colliders, input.step.start_time, input.step.positions[v], way,
+                        kContactGap * input.max_corrections[v]);
     });
   };
-  for (const PieceWayOff& off : finder.choose_ways_off(is_blocked))
-    if (!is_held(pieces.of_vertex(off.vertex))) draw(off, false, pieces, step, max_corrections, vertices);
+  for (const PieceWayOff& off : input.finder.choose_ways_off(is_blocked))
+    if (!is_held(input.pieces.of_vertex(off.vertex))) draw(input, off, false, vertices);
 }
 
 }  // namespace selvage

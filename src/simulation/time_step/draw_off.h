@@ -14,27 +14,32 @@ namespace selvage {
 /// are pressed flat where it is wide.
 class DrawOff {
  public:
+  /// A step that begins.
+  struct Input {
+    ContactFinder& finder;
+    const Model& model;
+    const Pieces& pieces;
+    std::span<const PreparedCollider> colliders;
+    const Step& step;
+    std::span<const double> max_corrections;  ///< (n_vertices) [m] a fifth of the least is the way of a step
+  };
+
   /// A new step: nothing is drawn.
   void begin();
 
   /// Draws pieces through the solids that they are across: see ways_out_of_solids(). In this step the two do not meet.
   /// Blocked is a way on which a vertex of the boundary runs into another collider. A piece with a vertex that
   /// something holds is not drawn.
-  /// @param max_corrections  (n_vertices) [m] a fifth of the least is the way of a step
-  /// @param states           (n_vertices x n_colliders) updated
-  /// @param vertices         (n_vertices) moved from where they were predicted
-  void leave_solids(ContactFinder& finder, const Model& model, const Pieces& pieces,
-                    std::span<const PreparedCollider> colliders, const ColliderSurface& surface, const Step& step,
-                    std::span<const double> max_corrections, std::span<ColliderContactState> states,
+  /// @param states    (n_vertices x n_colliders) updated
+  /// @param vertices  (n_vertices) moved from where they were predicted
+  void leave_solids(const Input& input, const ColliderSurface& surface, std::span<ColliderContactState> states,
                     std::span<StepVertex> vertices);
 
   /// Draws pieces off the edges of colliders that stand deep in them. To be called after leave_solids(), if
   /// both are. Blocked is a way on which a vertex of the boundary runs into a collider, but for one between that and
   /// another, as under a wall on the floor. A piece with a vertex that something holds is not drawn, but its contacts
   /// lead one way, the shortest.
-  void leave_edges(ContactFinder& finder, const Model& model, const Pieces& pieces,
-                   std::span<const PreparedCollider> colliders, const Step& step,
-                   std::span<const double> max_corrections, std::span<StepVertex> vertices);
+  void leave_edges(const Input& input, std::span<StepVertex> vertices);
 
   /// One vertex of each piece that is drawn in the step.
   std::span<const Index> vertices() const { return drawn_; }
@@ -50,8 +55,7 @@ class DrawOff {
   std::span<const Vec3> ways_off_edges() const { return ways_off_edges_; }
 
  private:
-  void draw(const PieceWayOff& off, bool is_across, const Pieces& pieces, const Step& step,
-            std::span<const double> max_corrections, std::span<StepVertex> vertices);
+  void draw(const Input& input, const PieceWayOff& off, bool is_across, std::span<StepVertex> vertices);
 
   std::vector<Index> drawn_;
   std::size_t across_count_ = 0;

@@ -125,12 +125,10 @@ void TimeStep::begin(const State& state, std::span<const Vec3> external_forces) 
   predict(state, external_forces);
   place_handles();
   if (!gate_) return;
-  const Pieces& pieces = free_momentum_.pieces();
+  const DrawOff::Input input{*contact_finder_, model_, free_momentum_.pieces(), colliders_, step_, max_corrections_};
   draw_off_.begin();
-  if (parting_.is_any(state))
-    draw_off_.leave_solids(*contact_finder_, model_, pieces, colliders_, collider_surface_, step_, max_corrections_,
-                           collider_states_, vertices());
-  draw_off_.leave_edges(*contact_finder_, model_, pieces, colliders_, step_, max_corrections_, vertices());
+  if (parting_.is_any(state)) draw_off_.leave_solids(input, collider_surface_, collider_states_, vertices());
+  draw_off_.leave_edges(input, vertices());
   for (const Index v : draw_off_.vertices()) free_momentum_.hold(v);
 }
 

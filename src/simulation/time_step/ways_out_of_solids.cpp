@@ -19,7 +19,7 @@ constexpr double kTorn = 1.5, kSquashed = 0.5;
 constexpr double kLeastWay = 0.3;
 /// Cosine of ways out above which they are tried as one.
 constexpr double kSameWay = 0.98;
-/// Ways out that are tried, and vertices of a piece that are asked how far it is.
+/// Ways out that are tried; and how many points inside, and vertices of a piece, are asked how far it is.
 constexpr std::size_t kMostWays = 64, kMostAsked = 256;
 
 /// Mean of normals above which they lead to one side.
@@ -224,14 +224,19 @@ std::vector<Vec3> ways_to_try(const Deep& deep) {
   return ways;
 }
 
+/// Some of many points. The stride is odd: vertices are numbered by layers.
+void add_some(std::span<const Vec3> points, std::vector<Vec3>& some) {
+  for (std::size_t i = 0; i < points.size(); i += (points.size() / kMostAsked) | 1) some.push_back(points[i]);
+}
+
 /// Ways of a piece out of solids, ascending.
 std::vector<PieceWayOff> ways_out(const Pieces& pieces, Index piece, const Deep& deep,
                                   std::span<const PreparedCollider> colliders, const Step& step) {
-  std::vector<Vec3> asked = deep.points, of_piece;
+  std::vector<Vec3> of_piece, asked;
   for (Index v = 0; v < std::ssize(step.positions); ++v)
     if (pieces.of_vertex(v) == piece) of_piece.push_back(step.positions[v]);
-  // An odd stride: vertices are numbered by layers.
-  for (std::size_t i = 0; i < of_piece.size(); i += (of_piece.size() / kMostAsked) | 1) asked.push_back(of_piece[i]);
+  add_some(of_piece, asked);
+  add_some(deep.points, asked);
   std::vector<PieceWayOff> ways;
   for (const Vec3& direction : ways_to_try(deep)) ways.push_back({deep.vertex, direction, 0});
   parallel_for(std::ssize(ways), 1, [&](std::int64_t i) {
