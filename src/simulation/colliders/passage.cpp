@@ -11,6 +11,8 @@ namespace {
 
 /// Part of a shape's size by which a way may begin inside it: rounding of points that were set on its surface.
 constexpr double kOnSurface = 1e-9;
+/// Pieces of ways as long as a mesh's diagonal, and of longer ones.
+constexpr double kMostPieces = 12;
 
 /// The part of a line that is inside a convex shape, as parameters of the line, and the normals at its ends.
 struct Chord {
@@ -85,8 +87,7 @@ std::optional<Passage> find_passage(const MeshCollider& shape, const Vec3& from,
   const double slack = kOnSurface * shape.bounds().diagonal().norm() / length;
   double first = std::numeric_limits<double>::infinity(), last = -first;
   Passage passage{from, Vec3::Zero(), Vec3::Zero()};
-  const Vec3 begin = from - slack * way;
-  visit_overlaps(shape.nodes(), enclosing_box<3>(begin.cwiseMin(to), begin.cwiseMax(to)), [&](Index t) {
+  const auto visit = [&](Index t) {
     const auto& [a, b, c] = shape.corners(t);
     const Vec3 area = (b - a).cross(c - a);
     const double along = area.dot(way);
@@ -109,7 +110,16 @@ std::optional<Passage> find_passage(const MeshCollider& shape, const Vec3& from,
       last = at;
       passage.exit_normal = area.normalized();
     }
-  });
+  };
+  // The box of a long way across axes would hold most triangles.
+  const int pieces =
+      1 + static_cast<int>(std::min(kMostPieces * length / shape.bounds().diagonal().norm(), kMostPieces));
+  Vec3 begin = from - slack * way;
+  for (int i = 1; i <= pieces; ++i) {
+    const Vec3 end = from + static_cast<double>(i) / pieces * way;
+    visit_overlaps(shape.nodes(), enclosing_box<3>(begin.cwiseMin(end), begin.cwiseMax(end)), visit);
+    begin = end;
+  }
   if (std::isinf(first)) return {};
   return passage;
 }

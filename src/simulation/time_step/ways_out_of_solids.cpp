@@ -5,7 +5,9 @@
 #include "simulation/colliders/passage.h"
 
 #include <algorithm>
+#include <compare>
 #include <map>
+#include <set>
 
 namespace selvage {
 
@@ -19,8 +21,9 @@ constexpr double kTorn = 1.5, kSquashed = 0.5;
 constexpr double kLeastWay = 0.3;
 /// Cosine of ways out above which they are tried as one.
 constexpr double kSameWay = 0.98;
-/// Ways out that are tried; and how many points inside, and vertices of a piece, are asked how far it is.
-constexpr std::size_t kMostWays = 64, kMostAsked = 256;
+/// Ways out that are tried; how many points inside, and vertices of a piece, are asked how far it is; and of all these.
+constexpr std::size_t kMostWays = 64, kMostAsked = 256, kFewAsked = 16;
+constexpr std::int64_t kAskedGrain = 32;
 
 /// Mean of normals above which they lead to one side.
 constexpr double kOneSided = 0.5;
@@ -225,28 +228,57 @@ std::vector<Vec3> ways_to_try(const Deep& deep) {
 }
 
 /// Some of many points. The stride is odd: vertices are numbered by layers.
-void add_some(std::span<const Vec3> points, std::vector<Vec3>& some) {
-  for (std::size_t i = 0; i < points.size(); i += (points.size() / kMostAsked) | 1) some.push_back(points[i]);
+void add_some(std::span<const Vec3> points, std::size_t most, std::vector<Vec3>& some) {
+  for (std::size_t i = 0; i < points.size(); i += (points.size() / most) | 1) some.push_back(points[i]);
 }
 
-/// Ways of a piece out of solids, ascending.
-std::vector<PieceWayOff> ways_out(const Pieces& pieces, Index piece, const Deep& deep,
-                                  std::span<const PreparedCollider> colliders, const Step& step) {
-  std::vector<Vec3> of_piece, asked;
+/// How far points have to go in a direction until solids are behind all of them.
+double way_past(std::span<const Solid> solids, std::span<const Vec3> points, const Vec3& direction) {
+  struct Longest {
+    double way = 0;
+    void add(const Longest& other) { way = std::max(way, other.way); }
+  };
+  return parallel_reduce<Longest>(std::ssize(points), kAskedGrain,
+                                  [&](std::int64_t first, std::int64_t last, Longest& longest) {
+                                    for (const Solid& solid : solids)
+                                      for (std::int64_t i = first; i < last; ++i)
+                                        longest.add({solid.way_past(points[i], direction)});
+                                  })
+      .way;
+}
+
+/// A way that is tried. The first of some in order is the shortest if it is known.
+struct Trial {
+  double way;  ///< [m]; at least, where it is not known
+  bool is_known;
+  Index number;
+  auto operator<=>(const Trial&) const = default;
+};
+
+/// The shortest way of a piece out of solids that is not blocked. Few points tell how far a way is at least: of most
+/// ways no more is asked.
+std::optional<PieceWayOff> way_out(const Pieces& pieces, Index piece, const Deep& deep, std::span<const Solid> solids,
+                                   const Step& step, const std::function<bool(const Vec3&)>& is_blocked) {
+  std::vector<Vec3> of_piece, asked, few;
   for (Index v = 0; v < std::ssize(step.positions); ++v)
     if (pieces.of_vertex(v) == piece) of_piece.push_back(step.positions[v]);
-  add_some(of_piece, asked);
-  add_some(deep.points, asked);
-  std::vector<PieceWayOff> ways;
-  for (const Vec3& direction : ways_to_try(deep)) ways.push_back({deep.vertex, direction, 0});
-  parallel_for(std::ssize(ways), 1, [&](std::int64_t i) {
-    for (const Index c : deep.solids) {
-      const Solid solid(colliders[c], step);
-      for (const Vec3& p : asked) ways[i].way = std::max(ways[i].way, solid.way_past(p, ways[i].direction));
-    }
-  });
-  std::stable_sort(ways.begin(), ways.end(), [](const auto& a, const auto& b) { return a.way < b.way; });
-  return ways;
+  add_some(of_piece, kMostAsked, asked);
+  add_some(deep.points, kMostAsked, asked);
+  add_some(asked, kFewAsked, few);
+  const std::vector<Vec3> directions = ways_to_try(deep);
+  std::vector<double> at_least(directions.size());
+  parallel_for(std::ssize(directions), 1, [&](std::int64_t i) { at_least[i] = way_past(solids, few, directions[i]); });
+  std::set<Trial> trials;
+  for (std::size_t i = 0; i < directions.size(); ++i) trials.insert({at_least[i], false, static_cast<Index>(i)});
+  while (!trials.empty()) {
+    const Trial trial = trials.extract(trials.begin()).value();
+    const Vec3& direction = directions[trial.number];
+    if (!trial.is_known)
+      trials.insert({way_past(solids, asked, direction), true, trial.number});
+    else if (!is_blocked(trial.way * direction))
+      return PieceWayOff{deep.vertex, direction, trial.way};
+  }
+  return {};
 }
 
 }  // namespace
@@ -265,12 +297,13 @@ std::vector<WayOutOfSolids> ways_out_of_solids(
   std::vector<WayOutOfSolids> found;
   for (const auto& entry : across) {
     const Deep& deep = entry.second;
-    const std::vector<PieceWayOff> ways = ways_out(pieces, entry.first, deep, colliders, step);
-    const auto free = std::find_if(ways.begin(), ways.end(), [&](const PieceWayOff& off) {
-      return !is_blocked(entry.first, off.way * off.direction, deep.solids);
+    std::vector<Solid> solids;
+    for (const Index c : deep.solids) solids.emplace_back(colliders[c], step);
+    const std::optional<PieceWayOff> off = way_out(pieces, entry.first, deep, solids, step, [&](const Vec3& way) {
+      return is_blocked(entry.first, way, deep.solids);
     });
     // Contacts do the rest.
-    if (free != ways.end() && free->way > kLeastWay * deep.max_correction) found.push_back({*free, deep.solids});
+    if (off && off->way > kLeastWay * deep.max_correction) found.push_back({*off, deep.solids});
   }
   return found;
 }
