@@ -11,7 +11,7 @@ namespace {
 
 /// Part of a shape's size by which a way may begin inside it: rounding of points that were set on its surface.
 constexpr double kOnSurface = 1e-9;
-/// Pieces of ways as long as a mesh's diagonal, and of longer ones.
+/// Pieces in which a way as long as a mesh's diagonal, or longer, looks for triangles.
 constexpr double kMostPieces = 12;
 
 /// The part of a line that is inside a convex shape, as parameters of the line, and the normals at its ends.
@@ -84,7 +84,7 @@ std::optional<Passage> find_passage(const MeshCollider& shape, const Vec3& from,
   const Vec3 way = to - from;
   const double length = way.norm();
   if (!(length > 0)) return {};
-  const double slack = kOnSurface * shape.bounds().diagonal().norm() / length;
+  const double diagonals = length / shape.bounds().diagonal().norm(), slack = kOnSurface / diagonals;
   double first = std::numeric_limits<double>::infinity(), last = -first;
   Passage passage{from, Vec3::Zero(), Vec3::Zero()};
   const auto visit = [&](Index t) {
@@ -112,8 +112,7 @@ std::optional<Passage> find_passage(const MeshCollider& shape, const Vec3& from,
     }
   };
   // The box of a long way across axes would hold most triangles.
-  const int pieces =
-      1 + static_cast<int>(std::min(kMostPieces * length / shape.bounds().diagonal().norm(), kMostPieces));
+  const int pieces = std::max(1, static_cast<int>(kMostPieces * std::min(diagonals, 1.0)));
   Vec3 begin = from - slack * way;
   for (int i = 1; i <= pieces; ++i) {
     const Vec3 end = from + static_cast<double>(i) / pieces * way;
