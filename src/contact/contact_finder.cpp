@@ -245,6 +245,15 @@ std::span<const Index> ContactFinder::penetrating_edges() const {
   return impl_->inside_edges;
 }
 
+std::vector<Index> ContactFinder::unguarded_vertices() const {
+  const auto tangled = impl_->tangled.vertices(), inverted = impl_->inverted.vertices();
+  std::vector<Index> vertices(tangled.begin(), tangled.end());
+  vertices.insert(vertices.end(), inverted.begin(), inverted.end());
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
+}
+
 std::span<const Index> ContactFinder::folded_vertices() const {
   return impl_->folded_vertices;
 }

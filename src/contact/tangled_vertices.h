@@ -32,6 +32,7 @@ class TangledVertices {
     return is_cloth_[one[0]] != 0 && is_cloth_[other[0]] != 0 ? is_of_cloth(one, other)
                                                               : has_any(one) || has_any(other);
   }
+  std::span<const Index> vertices() const { return vertices_; }
   Index count() const { return static_cast<Index>(vertices_.size()); }
 
  private:

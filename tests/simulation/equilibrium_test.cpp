@@ -113,6 +113,33 @@ TEST(Recovery, FromInvertedAndFlattenedElements) {
     }
 }
 
+/// The apex of an element on three pinned corners, pressed through these by more than its energy bears, which then
+/// holds it there.
+std::int64_t steps_inside_out(DetectionMode mode) {
+  IndexedMesh tet;
+  tet.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  tet.tetrahedra = {{0, 1, 2, 3}};
+  Model model = make(tet, neo_hookean(1e3));
+  for (int v = 0; v < 3; ++v) model.inverse_masses[v] = 0;
+  State state = make_state(model, model.rest_positions);
+  XpbdOptions options = without_contact();
+  options.contact.mode = mode;
+  options.gravity = Vec3(0, 0, -40);
+  options.velocity_damping = 10;
+  XpbdSolver solver(model, state, {}, {}, options);
+  std::int64_t count = 0;
+  for (int i = 0; i < 1000; ++i) {
+    solver.step(state);
+    count += inverted_elements(model, state);
+  }
+  return count;
+}
+
+TEST(Recovery, OfWhatTheEnergyWouldLeaveInsideOut) {
+  for (const DetectionMode mode : {DetectionMode::kOff, DetectionMode::kCcd, DetectionMode::kDcd})
+    EXPECT_LT(steps_inside_out(mode), 100);
+}
+
 TEST(Recovery, OfASingleElement) {
   IndexedMesh tet;
   tet.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};

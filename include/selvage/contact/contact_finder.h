@@ -163,6 +163,10 @@ class ContactFinder {
   std::span<const Index> penetrating_vertices() const;
   std::span<const Index> penetrating_edges() const;
 
+  /// For kHybrid, ascending: vertices where bodies penetrate at the start of the step, which find_impacts() leaves to
+  /// contacts, and those of inverted elements where ContactOptions::wait_for_inverted.
+  std::vector<Index> unguarded_vertices() const;
+
   /// For kHybrid, by the last find_contacts() of the step, ascending: vertices of folds, where a connected piece is
   /// inside itself, and no other piece with it, without two sides that one direction would part, as two arms that run
   /// through each other have. Ways out lead through its elements there, some of which may have to be inverted for a

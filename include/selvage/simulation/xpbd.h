@@ -38,8 +38,10 @@ using UserConstraint = std::function<void(const StepVertices& vertices, int iter
 /// One step is SPB's supplement, algorithm 5, but that contacts are found after the first half of the iterations and
 /// projected then and after each of the others, not once. The material is solved by Gauss-Seidel over blocks of
 /// elements: blocks of one colour share no vertex and are solved at the same time, inside a block by as many lanes as
-/// registers have. The result is the same, bit for bit, for any number of threads and on any instruction set.
-/// Sources: Macklin, Mueller, Chentanez 2016 (XPBD); Macklin and Mueller 2021; Chen, Diaz, Yuksel 2023 (SPB).
+/// registers have. The result is the same, bit for bit, for any number of threads and on any instruction set. Beyond
+/// the papers: while an element is inverted its volume resists a thousand times as much, as its energy alone may hold
+/// it inside out; by DetectionMode::kHybrid in bodies that start the step tangled, else in all. Sources: Macklin,
+/// Mueller, Chentanez 2016 (XPBD); Macklin and Mueller 2021; Chen, Diaz, Yuksel 2023 (SPB).
 ///
 /// Example, built and run by the tests:
 /// @include xpbd_solver.cpp

@@ -3,6 +3,7 @@
 #include "selvage/mesh/simplex_mesh.h"
 
 #include <algorithm>
+#include <span>
 
 namespace selvage {
 
@@ -16,6 +17,7 @@ class InvertedVertices {
   InvertedVertices(const TetMesh& mesh, std::span<const Vec3> positions, std::span<const Index> elements);
 
   bool empty() const { return vertices_.empty(); }
+  std::span<const Index> vertices() const { return vertices_; }  ///< ascending
 
   bool has(Index vertex) const;
   bool has_any(std::span<const Index> vertices) const {

@@ -69,6 +69,8 @@ class TimeStep {
   std::span<StepVertex> contact_vertices() { return vertices_; }
   /// Of the last find_contacts().
   std::span<const Contact> contacts() const { return contacts_; }
+  /// ContactFinder::unguarded_vertices() of the step.
+  std::vector<Index> unguarded_vertices() const { return contact_finder_->unguarded_vertices(); }
   /// Of two bodies, or of a body with a collider.
   const Friction& friction_of(const Contact& contact) const;
   /// Begun last. Its positions and velocities are those of contact_vertices().

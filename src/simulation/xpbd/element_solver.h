@@ -15,6 +15,8 @@ using Wide3 = LaneVec3<WideDouble>;
 inline constexpr double kMinSquaredStrain = 1e-30;
 /// In place of a denominator of zero: that of a rigid constraint between pinned vertices, which never move.
 inline constexpr double kMinDenominator = 1e-100;
+/// Share of the hydrostatic compliance that an element which is turned back has.
+inline constexpr double kInvertedCompliance = 1e-3;
 
 SELVAGE_INLINE WideDouble constant(double x) {
   return WideDouble::broadcast(x);
@@ -58,7 +60,8 @@ struct Constraint {
   WideDouble residual;
   WideDouble rate;            ///< the residual's share by damping
   WideDouble squared, value;  ///< deviatoric: C^2 and C
-  WideDouble scale;           ///< vertices move against their gradients by so much, times inverse mass
+  WideDouble compliance;
+  WideDouble scale;  ///< vertices move against their gradients by so much, times inverse mass
 };
 
 /// The vertices of as many elements as there are lanes.
@@ -154,6 +157,8 @@ class ElementSolver {
   SELVAGE_INLINE ElementSolver(BlockVertices& copies, const MaterialStep& step) : copies_(copies) {
     deviatoric_ = constant(step.deviatoric);
     hydrostatic_ = constant(step.hydrostatic);
+    turned_back_ = constant(kInvertedCompliance * step.hydrostatic);
+    inverted_ = constant(step.inverted);
     damping_ = constant(step.damping);
     share_ = constant(1 + step.damping);
   }
@@ -254,7 +259,7 @@ class ElementSolver {
 
   /// The residual's share by damping.
   SELVAGE_INLINE WideDouble damp(const Elements& of) const {
-    const auto& [edges, gradients, sum, residual, rate, squared, value, scale] = of.constraint;
+    const auto& [edges, gradients, sum, residual, rate, squared, value, compliance, scale] = of.constraint;
     const auto of_edge = [&, &edges = edges, &gradients = gradients](int k) {
       const Wide3 moved = {edges[k][0] - of.start[k][0], edges[k][1] - of.start[k][1], edges[k][2] - of.start[k][2]};
       return dot(gradients[k], moved);
@@ -265,7 +270,7 @@ class ElementSolver {
   // With S = C^2 and q = C grad C, the gradient of S / 2, all is multiplied by C, so that nothing is divided by it.
   SELVAGE_INLINE void begin_deviatoric(Elements& of) const {
     constexpr int kPlace[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
-    auto& [edges, gradients, sum, residual, rate, squared, value, scale] = of.constraint;
+    auto& [edges, gradients, sum, residual, rate, squared, value, compliance, scale] = of.constraint;
     Wide3 areas[3];
     of.corners.list_edges(edges);
     list_areas(edges, areas);
@@ -285,11 +290,11 @@ class ElementSolver {
   }
 
   SELVAGE_INLINE void end_deviatoric(Elements& of) const {
-    auto& [edges, gradients, sum, residual, rate, squared, value, scale] = of.constraint;
+    auto& [edges, gradients, sum, residual, rate, squared, value, compliance, scale] = of.constraint;
     if constexpr (kDamped) rate = damp(of);
     sum = sum_of(gradients);
     const WideDouble stiffness = weigh_gradients(of.corners, gradients, sum);
-    const WideDouble compliance = deviatoric_ * of.inverse_volume();
+    compliance = deviatoric_ * of.inverse_volume();
     double* const multiplier = of.batch.multipliers[0] + of.lane;
     residual = squared;
     if constexpr (!kFirst) residual = residual + value * (compliance * WideDouble::load(multiplier));
@@ -301,29 +306,32 @@ class ElementSolver {
   }
 
   SELVAGE_INLINE void begin_hydrostatic(Elements& of) const {
-    auto& [edges, areas, sum, residual, rate, squared, value, scale] = of.constraint;
+    auto& [edges, areas, sum, residual, rate, squared, value, compliance, scale] = of.constraint;
     of.corners.list_edges(edges);
     list_areas(edges, areas);
-    residual = of.inverse_volume() * dot(edges[0], areas[0]) - constant(1);
-    if constexpr (!kFirst)
-      residual = residual + hydrostatic_compliance(of) * WideDouble::load(of.batch.multipliers[1] + of.lane);
+    const WideDouble volume = of.inverse_volume() * dot(edges[0], areas[0]);
+    compliance = hydrostatic_compliance(of, volume);
+    residual = volume - constant(1);
+    if constexpr (!kFirst) residual = residual + compliance * WideDouble::load(of.batch.multipliers[1] + of.lane);
     if constexpr (kDamped) residual = residual + of.inverse_volume() * damp(of);
   }
 
   SELVAGE_INLINE void end_hydrostatic(Elements& of) const {
-    auto& [edges, areas, sum, residual, rate, squared, value, scale] = of.constraint;
+    auto& [edges, areas, sum, residual, rate, squared, value, compliance, scale] = of.constraint;
     const WideDouble inverse_volume = of.inverse_volume();
     sum = sum_of(areas);
     const WideDouble stiffness = inverse_volume * inverse_volume * weigh_gradients(of.corners, areas, sum);
-    const WideDouble denominator = (kDamped ? share_ * stiffness : stiffness) + hydrostatic_compliance(of) +
-                                   constant(0.25) * (residual * residual) * of.weight;
+    const WideDouble denominator =
+        (kDamped ? share_ * stiffness : stiffness) + compliance + constant(0.25) * (residual * residual) * of.weight;
     const WideDouble by = residual / max(denominator, constant(kMinDenominator));
     reduce_multiplier(of.batch.multipliers[1] + of.lane, by);
     scale = by * inverse_volume;
   }
 
-  SELVAGE_INLINE WideDouble hydrostatic_compliance(const Elements& of) const {
-    const WideDouble compliance = hydrostatic_ * of.inverse_volume();
+  /// @param volume  as a share of that at rest
+  SELVAGE_INLINE WideDouble hydrostatic_compliance(const Elements& of, WideDouble volume) const {
+    const WideDouble of_material = select_less(volume, inverted_, turned_back_, hydrostatic_);
+    const WideDouble compliance = of_material * of.inverse_volume();
     return kDeviatoric ? compliance : compliance * of.inverse_volume();
   }
 
@@ -347,7 +355,7 @@ class ElementSolver {
   }
 
   BlockVertices& copies_;
-  WideDouble deviatoric_, hydrostatic_, damping_, share_;
+  WideDouble deviatoric_, hydrostatic_, turned_back_, inverted_, damping_, share_;
 };
 
 }  // namespace SELVAGE_ISA

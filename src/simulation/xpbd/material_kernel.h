@@ -12,6 +12,7 @@ struct MaterialStep {
   double hydrostatic;  ///< the same; mass-spring: times the squared rest volume
   double edge;         ///< mass-spring: compliance over the squared time step
   double damping;      ///< over the time step
+  double inverted;     ///< elements with less of their volume at rest are turned back
 };
 
 /// One iteration over the material.

@@ -11,6 +11,8 @@ constexpr double kMinHydrostatic = 1e-12;
 /// Longest damping in time steps. It stiffens the system that the few iterations of a step solve: with more they leave
 /// most of the elastic force out, and a material sinks under its load.
 constexpr double kMaxDamping = 3;
+/// No volume is less.
+constexpr double kNothingInverted = -std::numeric_limits<double>::infinity();
 
 MaterialStep prepare(const Material& material, double time_step) {
   const double squared_step = time_step * time_step;
@@ -18,7 +20,8 @@ MaterialStep prepare(const Material& material, double time_step) {
                     .deviatoric = 0,
                     .hydrostatic = 0,
                     .edge = material.edge_compliance / squared_step,
-                    .damping = std::min(material.damping / time_step, kMaxDamping)};
+                    .damping = std::min(material.damping / time_step, kMaxDamping),
+                    .inverted = 0};
   if (material.kind == MaterialKind::kNeoHookean) {
     const auto [mu, lambda] = lame_parameters(material.youngs_modulus, material.poisson_ratio);
     step.deviatoric = 6 / (mu * squared_step);
@@ -31,12 +34,22 @@ MaterialStep prepare(const Material& material, double time_step) {
 
 }  // namespace
 
-MaterialSolver::MaterialSolver(const Model& model, double time_step) : blocks_(make_material_blocks(model)) {
+MaterialSolver::MaterialSolver(const Model& model, double time_step)
+    : model_(model), blocks_(make_material_blocks(model)) {
   for (const Body& body : model.bodies) bodies_.push_back(prepare(body.material, time_step));
 }
 
 bool MaterialSolver::needs_start() const {
   return std::any_of(bodies_.begin(), bodies_.end(), [](const MaterialStep& step) { return step.damping > 0; });
+}
+
+void MaterialSolver::turn_back(std::span<const Index> vertices) {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const Body& body = model_.bodies[b];
+    const auto first = std::lower_bound(vertices.begin(), vertices.end(), body.first_vertex);
+    const bool has_any = first != vertices.end() && *first < body.first_vertex + body.vertex_count;
+    bodies_[b].inverted = has_any ? 0 : kNothingInverted;
+  }
 }
 
 void MaterialSolver::solve_best(const MaterialTask& task, Index first, Index last) {

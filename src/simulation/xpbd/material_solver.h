@@ -16,6 +16,12 @@ class MaterialSolver {
   /// Constraints solved in one iteration.
   std::int64_t constraint_count() const { return blocks_.constraint_count; }
 
+  /// While an element is inverted its volume resists a thousand times as much. Its energy is finite where a vertex
+  /// passes through a face, so that what contacts have turned inside out may rest as it is, in a knot of which no
+  /// contact gets it out. Of all bodies, or from this call on of those alone that have one of these vertices.
+  /// @param vertices  ascending
+  void turn_back(std::span<const Index> vertices);
+
   /// The kernel of the active instruction set.
   static void solve_best(const MaterialTask& task, Index first, Index last);
 
@@ -25,6 +31,7 @@ class MaterialSolver {
              void (*kernel)(const MaterialTask&, Index first, Index last) = &solve_best);
 
  private:
+  const Model& model_;
   MaterialBlocks blocks_;
   std::vector<MaterialStep> bodies_;
 };
