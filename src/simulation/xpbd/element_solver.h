@@ -15,7 +15,7 @@ using Wide3 = LaneVec3<WideDouble>;
 inline constexpr double kMinSquaredStrain = 1e-30;
 /// In place of a denominator of zero: that of a rigid constraint between pinned vertices, which never move.
 inline constexpr double kMinDenominator = 1e-100;
-/// Share of the hydrostatic compliance that an element which is turned back has.
+/// Share of the hydrostatic compliance that inverted elements have: see MaterialSolver::turn_back().
 inline constexpr double kInvertedCompliance = 1e-3;
 
 SELVAGE_INLINE WideDouble constant(double x) {

@@ -12,7 +12,7 @@ struct MaterialStep {
   double hydrostatic;  ///< the same; mass-spring: times the squared rest volume
   double edge;         ///< mass-spring: compliance over the squared time step
   double damping;      ///< over the time step
-  double inverted;     ///< elements with less of their volume at rest are turned back
+  double inverted;     ///< of less than this share of their volume at rest elements resist more
 };
 
 /// One iteration over the material.
