@@ -36,11 +36,11 @@ ContactFinder::Impl::Impl(const TetMesh& m, std::span<const Vec3> rest_positions
                    PathOptions{options.cull_infeasible_regions, true}, !options.interior_points);
   positions_t0.assign(positions.begin(), positions.end());
   if (search) is_inside.resize(search->feature_count());
-  if (splits() && options.rule == ClosestPointRule::kShortestPath) {
+  if (options.splits() && options.rule == ClosestPointRule::kShortestPath) {
     common.emplace(mesh);
     if (!colliders.empty() && !rest_positions.empty()) off.emplace(mesh, rest_positions, surface, body_faces);
   }
-  if (splits() && options.wait_for_inverted) pieces = mesh.element_components();
+  if (options.splits() && options.wait_for_inverted) pieces = mesh.element_components();
   if (std::any_of(cloth.thickness.begin(), cloth.thickness.end(), [](double t) { return t > 0; }) && uses_ccd()) {
     check_positions<3>(rest_positions, mesh.vertex_count(), "rest_positions");
     std::vector<double> thickness(cloth.thickness.begin(), cloth.thickness.end());
@@ -58,10 +58,10 @@ void ContactFinder::Impl::begin_step(std::span<const Vec3> positions) {
   if (off) off->begin_step();
   positions_t0.assign(positions.begin(), positions.end());
   impacts.begin_step();
-  if (splits()) split_features();
+  if (options.splits()) split_features();
   if (!options.wait_for_inverted) return;
-  inverted = splits() ? InvertedVertices(mesh, of_mesh(positions_t0), search->locator().defective_elements())
-                      : InvertedVertices(mesh, of_mesh(positions_t0));
+  inverted = options.splits() ? InvertedVertices(mesh, of_mesh(positions_t0), search->locator().defective_elements())
+                              : InvertedVertices(mesh, of_mesh(positions_t0));
 }
 
 void ContactFinder::Impl::split_features() {
@@ -107,7 +107,7 @@ void ContactFinder::Impl::leave_out_let_in(ContinuousPairs& pairs) const {
 /// All that meet on the way.
 ContinuousPairs ContactFinder::Impl::find_pairs(std::span<const Vec3> positions) {
   ContinuousPairs pairs = impacts.find_pairs(positions_t0, positions, statistics.continuous);
-  if (splits()) met_faces.note(positions, pairs);
+  if (options.splits()) met_faces.note(positions, pairs);
   if (!options.detect_edges) pairs.edge_edge.clear();
   if (off && !off->empty() && !options.guarantee) leave_out_let_in(pairs);
   return pairs;
@@ -117,7 +117,7 @@ ContinuousPairs ContactFinder::Impl::find_pairs(std::span<const Vec3> positions)
 StepImpacts ContactFinder::Impl::find_impacts(std::span<const Vec3> positions) {
   ContinuousPairs pairs = find_pairs(positions);
   std::erase_if(pairs.vertex_face, [&](const VertexFacePair& p) { return p.face >= body_faces; });
-  if (splits()) {
+  if (options.splits()) {
     const auto inside_of = [](std::span<const Index> all, Index i) {
       return std::binary_search(all.begin(), all.end(), i);
     };

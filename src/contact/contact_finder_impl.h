@@ -57,9 +57,8 @@ struct ContactFinder::Impl {
   bool is_of_collider(Index vertex) const { return vertex >= mesh.vertex_count(); }
 
   bool uses_ccd() const {
-    return !options.interior_points && (options.mode == DetectionMode::kCcd || options.mode == DetectionMode::kHybrid);
+    return options.splits() || (options.mode == DetectionMode::kCcd && !options.interior_points);
   }
-  bool splits() const { return !options.interior_points && options.mode == DetectionMode::kHybrid; }
   bool uses_dcd() const {
     return options.mode != DetectionMode::kOff && (options.interior_points || options.mode != DetectionMode::kCcd);
   }

@@ -18,7 +18,7 @@ bool is_same_point(const Contact& a, const Contact& b) {
 
 std::vector<PenetratingPoint> ContactFinder::Impl::find_boundary_points(std::span<const Vec3> positions) {
   const auto found =
-      splits() ? search->find(inside, statistics.penetrations) : search->find_all(statistics.penetrations);
+      options.splits() ? search->find(inside, statistics.penetrations) : search->find_all(statistics.penetrations);
   std::vector<PenetratingPoint> points;
   for (const Penetration& p : found) {
     if (search->is_edge(p.feature)) {
@@ -79,7 +79,7 @@ std::vector<PieceWayOff> ContactFinder::Impl::choose_ways_off(
 }
 
 void ContactFinder::Impl::append_paths(std::span<const Vec3> positions, std::vector<Contact>& contacts) {
-  if (splits() && inside.empty()) return;
+  if (options.splits() && inside.empty()) return;
   place(positions);
   std::vector<PenetratingPoint> points;
   timed(statistics.seconds_dcd, [&] {
@@ -115,7 +115,7 @@ void ContactFinder::Impl::append_ways_out(std::span<const Vec3> positions, std::
   statistics.path_queries += std::ssize(points);
   // By DCD alone, contacts are all that separates bodies. So a point that is not at an inverted element leaves also by
   // a face that is: while it is inside, it keeps the element inverted.
-  for (std::size_t i = 0; i < points.size() && splits(); ++i)
+  for (std::size_t i = 0; i < points.size() && options.splits(); ++i)
     if (found[i].status == PathStatus::kFound &&
         inverted.has_any(mesh.boundary_faces()[found[i].face], found[i].barycentric))
       waits[points[i].tangle] = 1;

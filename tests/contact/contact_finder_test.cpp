@@ -2,6 +2,7 @@
 #include "mesh/simplex_corners.h"
 #include "selvage/core/error.h"
 #include "selvage/geometry/predicates.h"
+#include "selvage/self_collision/self_collision.h"
 #include "selvage/shapes/poses.h"
 #include "selvage/shapes/shapes.h"
 #include "solids.h"
@@ -159,6 +160,37 @@ TEST(ContactFinder, EdgesThatRunIntoEachOtherMeetByCcd) {
   ContactOptions no_edges;
   no_edges.detect_edges = false;
   EXPECT_TRUE(contacts_of_step(solid, crossing_edges(0.25).positions, no_edges).empty());
+}
+
+TEST(ContactFinder, UnguardedVerticesAreThoseOfFacesThatMeetAndOfWhatIsInside) {
+  for (const double height : {-0.125, -0.5, 0.125}) {
+    const Solid solid = tip_over_box(height);
+    const TetMesh mesh = solid.mesh();
+    ContactFinder finder(mesh, {}, solid.positions);
+    finder.begin_step(solid.positions);
+    std::vector<Index> expected(finder.penetrating_vertices().begin(), finder.penetrating_vertices().end());
+    for (const TrianglePair& pair : SelfCollisionFinder(finder.surface(), solid.positions).find_pairs())
+      for (const Index triangle : {pair.first, pair.second})
+        for (const Index v : finder.surface().triangles()[triangle]) expected.push_back(v);
+    std::sort(expected.begin(), expected.end());
+    expected.erase(std::unique(expected.begin(), expected.end()), expected.end());
+    EXPECT_EQ(expected.empty(), height > 0);
+    EXPECT_EQ(finder.unguarded_vertices(), expected) << height;
+    EXPECT_EQ(finder.statistics().unguarded_vertices, static_cast<std::int64_t>(expected.size())) << height;
+  }
+}
+
+TEST(ContactFinder, UnguardedVerticesAreThoseOfInvertedElementsWhereTheseWait) {
+  Solid solid = tip_over_box(0.125);
+  solid.positions[0][2] = 3;
+  const TetMesh mesh = solid.mesh();
+  for (const bool waits : {false, true}) {
+    ContactOptions options;
+    options.wait_for_inverted = waits;
+    ContactFinder finder(mesh, {}, solid.positions, {}, options);
+    finder.begin_step(solid.positions);
+    EXPECT_EQ(finder.unguarded_vertices(), waits ? (std::vector<Index>{0, 1, 2, 3}) : std::vector<Index>());
+  }
 }
 
 TEST(ContactFinder, CompleteOverlapsNeedInnerPoints) {

@@ -6,7 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
+#include <optional>
 #include <random>
 
 namespace selvage {
@@ -293,6 +295,37 @@ TEST_P(Kernel, EqualsTheTwinAndGivesTheSameBitsOnEveryInstructionSet) {
         material.damping = damping;
         compare_with_twin(make(make_box(size, 0.05), material), turns_back);
       }
+}
+
+/// An iteration of three boxes in which the same elements are inverted.
+std::vector<StepVertex> iteration_of_three(const Model& model, std::optional<std::vector<Index>> unguarded) {
+  std::vector<StepVertex> vertices = shaken(model, 0, 1);
+  for (StepVertex& vertex : vertices) vertex.position[2] *= -1;
+  MaterialSolver solver(model, 1.0 / 300);
+  if (unguarded) solver.turn_back(*unguarded);
+  solver.solve(vertices, vertices, 0, 1);
+  return vertices;
+}
+
+TEST(MaterialSolver, TurnsBackBodiesThatHaveAVertexOfThoseGiven) {
+  const Model model = make(std::vector(3, make_box({0.2, 0.2, 0.2}, 0.1)), neo_hookean(1e5));
+  const std::size_t body = model.bodies[0].vertex_count;
+  const auto all = iteration_of_three(model, std::nullopt), none = iteration_of_three(model, std::vector<Index>());
+  const auto equal = [&](std::size_t b, std::span<const StepVertex> x, std::span<const StepVertex> y) {
+    return std::memcmp(&x[b * body], &y[b * body], body * sizeof(StepVertex)) == 0;
+  };
+  EXPECT_FALSE(equal(0, all, none));
+  for (const std::vector<Index>& given : {std::vector<Index>{0},
+                                          {model.bodies[1].first_vertex},
+                                          {model.bodies[2].first_vertex - 1},
+                                          {model.bodies[0].vertex_count - 1, model.bodies[2].first_vertex},
+                                          {model.mesh.vertex_count() - 1}}) {
+    const auto some = iteration_of_three(model, given);
+    for (std::size_t b = 0; b < 3; ++b) {
+      const bool has_any = std::any_of(given.begin(), given.end(), [&](Index v) { return v / body == b; });
+      EXPECT_TRUE(equal(b, some, has_any ? all : none)) << "body " << b << ", given " << given.front();
+    }
+  }
 }
 
 TEST(Kernel, LeavesPinnedAndCollapsedElementsFinite) {

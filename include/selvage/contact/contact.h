@@ -81,6 +81,9 @@ struct ContactOptions {
   /// that are inverted are guarded, too, and vertices against faces of colliders.
   bool guarantee = false;
   bool cull_infeasible_regions = true;  ///< SPB section 3.6; changes no contact
+
+  /// Whether what penetrates at the start of a step is found by DCD and all else by CCD.
+  bool splits() const { return mode == DetectionMode::kHybrid && !interior_points; }
 };
 
 }  // namespace selvage

@@ -194,8 +194,8 @@ void read_contact(const JsonValue& value, SceneDescription& scene) {
   if (const auto v = object.find("from_frame")) scene.contact_from_frame = v->integer(0, 1'000'000);
   if (const auto v = object.find("guarantee")) {
     contact.guarantee = v->boolean();
-    const bool is_whole = contact.mode == DetectionMode::kHybrid && contact.detect_edges && contact.hold_back &&
-                          !contact.interior_points && scene.contact_from_frame == 0;
+    const bool is_whole =
+        contact.splits() && contact.detect_edges && contact.hold_back && scene.contact_from_frame == 0;
     if (contact.guarantee && !is_whole)
       v->fail("needs contact of mode 'hybrid' with 'edges' and 'hold_back', without 'interior_points' and 'from_frame'",
               "leave these out, or set it to false");

@@ -24,8 +24,7 @@ void check_options(const StepOptions& options) {
   check_option(options.max_speed > 0, "largest speed", options.max_speed, "above 0");
   const auto [static_coefficient, dynamic_coefficient] = options.friction;
   const ContactOptions& contact = options.contact;
-  if (contact.guarantee && !(contact.mode == DetectionMode::kHybrid && contact.hold_back && contact.detect_edges &&
-                             !contact.interior_points))
+  if (contact.guarantee && !(contact.splits() && contact.hold_back && contact.detect_edges))
     throw Error("guarantee", "needs the hybrid mode with edges and hold_back, without interior points",
                 "leave these options as they are by default, or give no guarantee");
   check_option(static_coefficient >= 0, "static friction", static_coefficient, "that is not negative");

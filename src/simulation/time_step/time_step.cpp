@@ -64,8 +64,7 @@ TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle>
                           collider_surface_.triangles_after(model.mesh.vertex_count()),
                           ContactCloth{model.triangles, half_thickness_});
   candidate_.resize(all);
-  if (contact.hold_back && contact.mode == DetectionMode::kHybrid && !contact.interior_points)
-    gate_.emplace(model, static_cast<Index>(all), contact.guarantee);
+  if (contact.hold_back && contact.splits()) gate_.emplace(model, static_cast<Index>(all), contact.guarantee);
 }
 
 void TimeStep::set_step(const State& state) {

@@ -39,9 +39,6 @@ struct XpbdSolver::Impl {
 
   StepStatistics& statistics() { return time_step.statistics(); }
 
-  /// Whether contacts of what starts the step tangled are found apart from others.
-  bool splits() const { return options.contact.mode == DetectionMode::kHybrid && !options.contact.interior_points; }
-
   void keep_start(const State& state) {
     for (std::size_t v = 0; v < start.size(); ++v) {
       const Vec3& p = state.positions[v];
@@ -86,7 +83,7 @@ struct XpbdSolver::Impl {
   void step(State& state, std::span<const Vec3> external_forces) {
     if (time_step.skip_asleep(state, external_forces, static_cast<bool>(constraint))) return;
     time_step.begin(state, external_forces);
-    if (splits()) material.turn_back(time_step.unguarded_vertices());
+    if (options.contact.splits()) material.turn_back(time_step.unguarded_vertices());
     keep_start(state);
     const int free_iterations = std::max(options.iterations / 2, 1);
     iterate(0, free_iterations);
