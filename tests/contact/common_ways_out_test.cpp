@@ -47,20 +47,45 @@ TEST(CommonWaysOut, LeadTwoRodsThatCrossApartAcrossBoth) {
   }
 }
 
-/// A rod that turns by 270 degrees and runs through the middle of itself.
-TEST(CommonWaysOut, LeadARodThatCrossesItselfApartAcrossIt) {
-  constexpr double kStraight = 1.5, kRadius = 0.5, kTurn = 1.5 * std::numbers::pi;
-  const double length = 2 * kStraight + kRadius * kTurn;
-  Solid rod = solids::box({0, -0.1, -0.1}, {length, 0.1, 0.1}, 0.1);
-  std::vector<bool> is_first;
-  for (Vec3& p : rod.positions) {
-    is_first.push_back(p[0] < length / 2);
-    const double angle = std::clamp((p[0] - kStraight) / kRadius, 0.0, kTurn);
-    const double ahead = p[0] < kStraight ? p[0] - kStraight : std::max(0.0, p[0] - kStraight - kRadius * kTurn);
-    const double across = kRadius - p[1];
-    p = Vec3(kStraight + std::sin(angle) * across + std::cos(angle) * ahead,
-             kRadius - std::cos(angle) * across + std::sin(angle) * ahead, p[2]);
+/// A body that is straight along x, turns, and is straight again, so that it runs right through itself.
+struct Loop {
+  Solid solid;
+  std::vector<bool> is_first;  ///< half, of each vertex
+};
+
+Loop loop_with_ends(double first, double second, double half_width, double radius, double turn) {
+  const double length = first + second + radius * turn;
+  Loop loop{solids::box({0, -0.1, -half_width}, {length, 0.1, half_width}, 0.1), {}};
+  for (Vec3& p : loop.solid.positions) {
+    loop.is_first.push_back(p[0] < first + radius * turn / 2);
+    const double angle = std::clamp((p[0] - first) / radius, 0.0, turn);
+    const double ahead = p[0] < first ? p[0] - first : std::max(0.0, p[0] - first - radius * turn);
+    const double across = radius - p[1];
+    p = Vec3(first + std::sin(angle) * across + std::cos(angle) * ahead,
+             radius - std::cos(angle) * across + std::sin(angle) * ahead, p[2]);
   }
+  return loop;
+}
+
+TEST(CommonWaysOut, DrawTheShorterEndOfASheetThatCrossesItselfOut) {
+  for (const bool first_is_shorter : {false, true})
+    for (const double turn : {1.2 * std::numbers::pi, 1.35 * std::numbers::pi, 1.5 * std::numbers::pi})
+      for (const double up : {1.0, -1.0}) {
+        const double first = first_is_shorter ? 1.2 : 2;
+        auto [sheet, is_first] = loop_with_ends(first, 3.2 - first, 0.8, 0.25, turn);
+        for (Vec3& p : sheet.positions) p = Vec3(p[0], up * p[1], up * p[2]);
+        const std::vector<Contact> contacts = ways_out(sheet);
+        ASSERT_GT(contacts.size(), 40u);
+        const Vec3 back(-std::cos(turn), -up * std::sin(turn), 0);
+        for (const Contact& contact : contacts) {
+          const Vec3 way = is_first[contact.vertices[0]] ? contact.normal : Vec3(-contact.normal);
+          EXPECT_GT(first_is_shorter ? way[0] : -way.dot(back), -0.1) << turn << ": " << way.transpose();
+        }
+      }
+}
+
+TEST(CommonWaysOut, LeadARodThatCrossesItselfApartAcrossIt) {
+  const auto [rod, is_first] = loop_with_ends(1.5, 1.5, 0.1, 0.5, 1.5 * std::numbers::pi);
   const std::vector<Contact> contacts = ways_out(rod);
   ASSERT_GT(contacts.size(), 8u);
   const auto way_of_first_part = [&](const Contact& contact) {

@@ -3,6 +3,7 @@
 #include "contact/ways_out/straight_way.h"
 #include "core/parallel.h"
 #include "core/union_find.h"
+#include "mesh/limb_ends.h"
 #include "mesh/simplex_corners.h"
 
 #include <algorithm>
@@ -16,6 +17,8 @@ namespace {
 constexpr double kAgreement = 0.5;
 /// Points of a tangle by which directions are compared.
 constexpr std::size_t kSamples = 64;
+/// Cosine of the angle to the way of a tangle's shorter end from which on a direction presses this end on.
+constexpr double kAgainstEnd = -0.03;
 
 }  // namespace
 
@@ -158,9 +161,38 @@ double CommonWaysOut::length_behind(std::span<const Vec3> positions, const Penet
   return 0;
 }
 
+/// Of each tangle of a piece with itself, the direction in which its members draw the shorter end after them; zero
+/// where none is cut off.
+std::vector<Vec3> CommonWaysOut::ways_of_ends(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
+                                              std::span<const std::span<const Member>> tangles) const {
+  std::vector<Vec3> ways(tangles.size(), Vec3::Zero());
+  std::vector<Index> regions;  // two for each tangle: the vertices of its sides
+  for (std::size_t t = 0; t < tangles.size(); ++t) {
+    const PenetratingPoint& first = points[tangles[t].front().point];
+    if (piece_of(first) != pieces_[first.query.element]) continue;
+    regions.resize(mesh_.vertex_count(), kNone);
+    for (const Member& member : tangles[t]) {
+      const PenetratingPoint& point = points[member.point];
+      const auto own = static_cast<Index>(2 * t + (member.side > 0 ? 0 : 1));
+      for (int k = 0; k < point.count; ++k) regions[point.vertices[k]] = own;
+      for (const Index v : mesh_.elements()[point.query.element]) regions[v] = own ^ 1;
+    }
+  }
+  if (regions.empty()) return ways;
+  std::vector<std::int64_t> shortest(tangles.size());
+  for (const auto& [region, end] : find_limb_ends(mesh_, positions.first(mesh_.vertex_count()), regions)) {
+    const std::size_t t = region / 2;
+    if (shortest[t] != 0 && shortest[t] <= end.vertices) continue;
+    shortest[t] = end.vertices;
+    ways[t] = region % 2 == 0 ? end.way : Vec3(-end.way);
+  }
+  return ways;
+}
+
 /// Zero where the ways out agree.
 Vec3 CommonWaysOut::best_direction(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
-                                   std::span<const BoundaryPath<3>> paths, std::span<const Member> members) const {
+                                   std::span<const BoundaryPath<3>> paths, std::span<const Member> members,
+                                   const Vec3& way_of_end) const {
   Vec3 sum = Vec3::Zero();
   double lengths = 0;
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
@@ -172,11 +204,13 @@ Vec3 CommonWaysOut::best_direction(std::span<const Vec3> positions, std::span<co
     lengths += way.norm();
     spread += way * way.transpose();
   }
-  if (!(sum.norm() < kAgreement * lengths)) return Vec3::Zero();
+  const bool agree = !(sum.norm() < kAgreement * lengths);
+  if (agree && !(sum.dot(way_of_end) < kAgainstEnd * sum.norm())) return Vec3::Zero();
   Vec3 best = Vec3::Zero();
   double shortest = HUGE_VAL;
   const std::size_t stride = (members.size() + kSamples - 1) / kSamples;
   for (const Vec3& direction : directions_to_try(spread)) {
+    if (direction.dot(way_of_end) < kAgainstEnd) continue;
     double longest = 0;
     for (std::size_t i = 0; i < members.size() && longest < shortest; i += stride) {
       const PenetratingPoint& point = points[members[i].point];
@@ -198,8 +232,9 @@ void CommonWaysOut::apply(std::span<const Vec3> positions, std::span<const Penet
     while (last < members.size() && members[last].tangle == members[first].tangle) ++last;
     tangles.push_back(std::span(members).subspan(first, last - first));
   }
+  const std::vector<Vec3> ends = ways_of_ends(positions, points, tangles);
   parallel_for(std::ssize(tangles), 1, [&](std::int64_t t) {
-    const Vec3 direction = best_direction(positions, points, paths, tangles[t]);
+    const Vec3 direction = best_direction(positions, points, paths, tangles[t], ends[t]);
     if (direction.isZero(0)) return;
     for (const Member& member : tangles[t]) {
       const BoundaryPath<3> way = straight_way(mesh_, positions, points[member.point].query.point,

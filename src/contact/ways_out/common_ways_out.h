@@ -15,6 +15,10 @@ namespace selvage {
 /// of one piece leave in a direction, those of the other against it. In one piece, the vertices of a point are of one
 /// part and those of the element that it is in of the other; where that contradicts itself, in a fold, points keep
 /// their shortest paths. So do those of cloth and colliders, and those whose straight way ends nowhere.
+///
+/// A sheet that runs right through itself has two ends and a loop between them. The shorter end is drawn out, whatever
+/// the way: a loop that is drawn through instead has no way but to turn inside out, and where the one happens beside
+/// the other, the sheet cannot part.
 class CommonWaysOut {
  public:
   explicit CommonWaysOut(const TetMesh& mesh);
@@ -45,8 +49,11 @@ class CommonWaysOut {
   void append_members_in_own_piece(std::span<const PenetratingPoint> points, std::span<const Index> in_own_piece,
                                    std::vector<Member>& members) const;
   double length_behind(std::span<const Vec3> positions, const PenetratingPoint& point, const Vec3& direction) const;
+  std::vector<Vec3> ways_of_ends(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
+                                 std::span<const std::span<const Member>> tangles) const;
   Vec3 best_direction(std::span<const Vec3> positions, std::span<const PenetratingPoint> points,
-                      std::span<const BoundaryPath<3>> paths, std::span<const Member> members) const;
+                      std::span<const BoundaryPath<3>> paths, std::span<const Member> members,
+                      const Vec3& way_of_end) const;
 
   const TetMesh& mesh_;
   std::vector<Index> pieces_;  ///< (n_elements)

@@ -1,7 +1,7 @@
 #include "untangling/solids/agreeing_contacts.h"
 
-#include "untangling/solids/limb_ends.h"
-#include "untangling/solids/vertex_regions.h"
+#include "mesh/limb_ends.h"
+#include "mesh/vertex_regions.h"
 
 #include <Eigen/Eigenvalues>
 

@@ -4,7 +4,7 @@
 #include "elasticity/deformation_gradient.h"
 #include "elasticity/foldover.h"
 #include "mesh/find_inverted.h"
-#include "untangling/solids/vertex_regions.h"
+#include "mesh/vertex_regions.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

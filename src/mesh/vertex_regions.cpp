@@ -1,4 +1,4 @@
-#include "untangling/solids/vertex_regions.h"
+#include "mesh/vertex_regions.h"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
-#include "untangling/solids/limb_ends.h"
+#include "mesh/limb_ends.h"
 
-#include "untangling/solids/vertex_regions.h"
+#include "mesh/vertex_regions.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "untangling/solids/limb_ends.h"
+#include "mesh/limb_ends.h"
 
 #include "selvage/shapes/shapes.h"
 
