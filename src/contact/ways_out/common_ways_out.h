@@ -16,9 +16,9 @@ namespace selvage {
 /// part and those of the element that it is in of the other; where that contradicts itself, in a fold, points keep
 /// their shortest paths. So do those of cloth and colliders, and those whose straight way ends nowhere.
 ///
-/// A sheet that runs right through itself has two ends and a loop between them. The shorter end is drawn out, whatever
-/// the way: a loop that is drawn through instead has no way but to turn inside out, and where the one happens beside
-/// the other, the sheet cannot part.
+/// A sheet that runs right through itself has two ends and a loop between them. No direction is taken that presses the
+/// shorter end on, even where the ways out agree: the loop, which would be drawn through instead, has no way but to
+/// turn inside out, and where one happens beside the other, the sheet cannot part.
 class CommonWaysOut {
  public:
   explicit CommonWaysOut(const TetMesh& mesh);
