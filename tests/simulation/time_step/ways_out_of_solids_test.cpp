@@ -32,8 +32,8 @@ struct Start {
   }
 };
 
-IndexedMesh block() {
-  return make_box({0.5, 0.5, 0.5}, 0.1);
+IndexedMesh block(double cell = 0.1) {
+  return make_box({0.5, 0.5, 0.5}, cell);
 }
 
 /// A wall wider than all else, from one x to another.
@@ -41,10 +41,10 @@ Collider wall(double from, double to) {
   return {.shape = MeshShape(colliders::solid_box({from, -3, -3}, {to, 3, 3}))};
 }
 
-/// The wall has vertices in it, or between two layers of them.
+/// The wall has vertices in it, few or more than are asked how far it is, or is between two layers of them.
 TEST(WaysOutOfSolids, AreTheShortestThroughTheSolid) {
-  for (const double side : {0.3, 0.13}) {
-    const Start start(block(), {Collider{.shape = PlaneShape{{0, 0, -5}}}, wall(0.11, side)});
+  for (const auto& [cell, side] : {std::pair{0.1, 0.3}, {0.1, 0.13}, {0.04, 0.3}}) {
+    const Start start(block(cell), {Collider{.shape = PlaneShape{{0, 0, -5}}}, wall(0.11, side)});
     const auto ways = start.ways();
     ASSERT_EQ(ways.size(), 1u);
     EXPECT_EQ(ways[0].solids, std::vector<Index>{1});
