@@ -85,17 +85,17 @@ TEST(CommonWaysOut, DrawTheShorterEndOfASheetThatCrossesItselfOut) {
 }
 
 TEST(CommonWaysOut, LeadARodThatCrossesItselfApartAcrossIt) {
-  const auto [rod, is_first] = loop_with_ends(1.5, 1.5, 0.1, 0.5, 1.5 * std::numbers::pi);
-  const std::vector<Contact> contacts = ways_out(rod);
+  const Loop rod = loop_with_ends(1.5, 1.5, 0.1, 0.5, 1.5 * std::numbers::pi);
+  const std::vector<Contact> contacts = ways_out(rod.solid);
   ASSERT_GT(contacts.size(), 8u);
   const auto way_of_first_part = [&](const Contact& contact) {
-    return is_first[contact.vertices[0]] ? contact.normal : Vec3(-contact.normal);
+    return rod.is_first[contact.vertices[0]] ? contact.normal : Vec3(-contact.normal);
   };
   const Vec3 way = way_of_first_part(contacts[0]);
   EXPECT_NEAR(std::abs(way[2]), 1, 1e-12);
   for (const Contact& contact : contacts) {
     EXPECT_EQ(way_of_first_part(contact), way);
-    EXPECT_NEAR(contact.point[2], is_first[contact.vertices[0]] ? 0.1 * way[2] : -0.1 * way[2], 1e-12);
+    EXPECT_NEAR(contact.point[2], rod.is_first[contact.vertices[0]] ? 0.1 * way[2] : -0.1 * way[2], 1e-12);
   }
 }
 
