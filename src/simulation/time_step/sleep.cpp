@@ -3,6 +3,7 @@
 #include "core/parallel.h"
 #include "core/union_find.h"
 #include "mesh/position_extent.h"
+#include "simulation/rigid_motion.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +16,7 @@ namespace {
 /// [s] for which a group is slow before it is damped, and before it sleeps.
 constexpr double kSettleTime = 0.1, kSleepTime = 0.5;
 /// A group of several bodies slower than so many times the speed at which they sleep is damped but for its common
-/// velocity [1/s].
+/// velocity, and the spin of a body alone on a collider is [1/s].
 constexpr double kSettlingSpeeds = 6, kSettlingDamping = 5;
 /// Part of a body's mass that may tremble: the pressed rim of a body does while the rest stands.
 constexpr double kTremblingPart = 0.02;
@@ -63,6 +64,16 @@ Vec3 Sleep::momentum_of(const Body& body, const State& state) const {
   for (Index v = body.first_vertex; v < body.first_vertex + body.vertex_count; ++v)
     if (model_.inverse_masses[v] > 0) momentum += state.velocities[v] / model_.inverse_masses[v];
   return momentum;
+}
+
+void Sleep::damp_spin(const Body& body, double kept, State& state) const {
+  const Index first = body.first_vertex, last = first + body.vertex_count;
+  MomentumSums sums(state.positions[first], state.velocities[first]);
+  for (Index v = first; v < last; ++v)
+    if (model_.inverse_masses[v] > 0) sums.add(1 / model_.inverse_masses[v], state.positions[v], state.velocities[v]);
+  const RigidMotion lost = sums.turn((1 - kept) * sums.spin());
+  for (Index v = first; v < last; ++v)
+    if (model_.inverse_masses[v] > 0) state.velocities[v] -= lost(state.positions[v]);
 }
 
 void Sleep::begin_awake() {
@@ -144,7 +155,8 @@ std::vector<Index> Sleep::groups_of(const State& state, double step) const {
   return groups;
 }
 
-void Sleep::finish(double step, std::span<const Index> penetrating_bodies, State& state) const {
+void Sleep::finish(double step, std::span<const Index> penetrating_bodies, std::span<const Index> carried_bodies,
+                   State& state) const {
   const std::size_t count = model_.bodies.size();
   state.rest_times.resize(count, 0);
   std::vector<Pace> paces(count);
@@ -163,7 +175,7 @@ void Sleep::finish(double step, std::span<const Index> penetrating_bodies, State
     int bodies = 0;
     Vec3 momentum = Vec3::Zero();
 
-    bool is_damped() const { return time >= kSettleTime && bodies > 1; }
+    bool settles() const { return time >= kSettleTime; }
   };
   std::vector<Group> groups(count);  // by their first bodies
   for (std::size_t b = 0; b < count; ++b) {
@@ -177,23 +189,31 @@ void Sleep::finish(double step, std::span<const Index> penetrating_bodies, State
   }
   std::vector<Vec3> momenta(count, Vec3::Zero());
   parallel_for(std::ssize(momenta), 1, [&](std::int64_t b) {
-    if (groups[of_body[b]].is_damped()) momenta[b] = momentum_of(model_.bodies[b], state);
+    if (groups[of_body[b]].settles()) momenta[b] = momentum_of(model_.bodies[b], state);
   });
   for (std::size_t b = 0; b < count; ++b) {
     groups[of_body[b]].momentum += momenta[b];
     groups[of_body[b]].mass += masses_[b];
   }
+  std::vector<std::uint8_t> is_carried(count, 0);
+  for (const Index b : carried_bodies) is_carried[b] = 1;
   parallel_for(std::ssize(paces), 1, [&](std::int64_t b) {
     const Group& group = groups[of_body[b]];
     const bool was_asleep = state.rest_times[b] >= kSleepTime && is_asleep_[b] != 0;
     if (parts(b)) return;
     state.rest_times[b] = group.time;
-    const bool falls_asleep = group.time >= kSleepTime && !was_asleep;
-    if (!falls_asleep && (was_asleep || !group.is_damped())) return;
-    const double kept = falls_asleep ? 0 : 1 / (1 + kSettlingDamping * step);
-    const Vec3 common = falls_asleep || group.mass == 0 ? Vec3::Zero() : Vec3(group.momentum / group.mass);
-    for (Vec3& v : std::span(state.velocities).subspan(model_.bodies[b].first_vertex, model_.bodies[b].vertex_count))
-      v = common + kept * (v - common);
+    if (was_asleep || !group.settles()) return;
+    const auto velocities =
+        std::span(state.velocities).subspan(model_.bodies[b].first_vertex, model_.bodies[b].vertex_count);
+    const double kept = 1 / (1 + kSettlingDamping * step);
+    if (group.time >= kSleepTime) {
+      std::fill(velocities.begin(), velocities.end(), Vec3::Zero());
+    } else if (group.bodies > 1) {
+      const Vec3 common = group.mass == 0 ? Vec3(Vec3::Zero()) : Vec3(group.momentum / group.mass);
+      for (Vec3& v : velocities) v = common + kept * (v - common);
+    } else if (is_carried[b] != 0) {
+      damp_spin(model_.bodies[b], kept, state);
+    }
   });
 }
 

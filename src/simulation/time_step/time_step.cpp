@@ -383,13 +383,15 @@ void TimeStep::finish(State& state) {
   deep.insert(deep.end(), draw_off_.across().begin(), draw_off_.across().end());
   if (gate_) parting_.finish(free_momentum_.pieces(), start_momentum_, contacts_, deep, state);
   if (!sleep_) return;
-  std::vector<Index> penetrating;
-  for (const Index v : draw_off_.vertices())
-    if (body_of_[v] != kNone) penetrating.push_back(body_of_[v]);
-  if (contact_finder_)
-    for (const Index v : contact_finder_->penetrating_vertices())
-      if (v < vertex_count() && body_of_[v] != kNone) penetrating.push_back(body_of_[v]);
-  sleep_->finish(step_.length(), penetrating, state);
+  const auto add_bodies_of = [&](std::span<const Index> vertices, std::vector<Index>& bodies) {
+    for (const Index v : vertices)
+      if (v < vertex_count() && body_of_[v] != kNone) bodies.push_back(body_of_[v]);
+  };
+  std::vector<Index> penetrating, carried;
+  add_bodies_of(draw_off_.vertices(), penetrating);
+  if (contact_finder_) add_bodies_of(contact_finder_->penetrating_vertices(), penetrating);
+  add_bodies_of(collider_contacts_.pushed, carried);
+  sleep_->finish(step_.length(), penetrating, carried, state);
 }
 
 }  // namespace selvage
