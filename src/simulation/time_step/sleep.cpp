@@ -3,7 +3,6 @@
 #include "core/parallel.h"
 #include "core/union_find.h"
 #include "mesh/position_extent.h"
-#include "simulation/rigid_motion.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,6 +19,8 @@ constexpr double kSettleTime = 0.1, kSleepTime = 0.5;
 constexpr double kSettlingSpeeds = 6, kSettlingDamping = 5;
 /// Part of a body's mass that may tremble: the pressed rim of a body does while the rest stands.
 constexpr double kTremblingPart = 0.02;
+/// Part of the time that counts, after the first, where more trembles in a group of several bodies.
+constexpr double kTremblingTime = 0.125;
 /// Part of a body's size by which its box is larger on all sides.
 constexpr double kGapPart = 0.01;
 
@@ -59,20 +60,18 @@ Eigen::AlignedBox3d Sleep::box_of(const Body& body, std::span<const Vec3> positi
   return box;
 }
 
-Vec3 Sleep::momentum_of(const Body& body, const State& state) const {
-  Vec3 momentum = Vec3::Zero();
-  for (Index v = body.first_vertex; v < body.first_vertex + body.vertex_count; ++v)
-    if (model_.inverse_masses[v] > 0) momentum += state.velocities[v] / model_.inverse_masses[v];
-  return momentum;
-}
-
-void Sleep::damp_spin(const Body& body, double kept, State& state) const {
+MomentumSums Sleep::momentum_of(const Body& body, const State& state) const {
   const Index first = body.first_vertex, last = first + body.vertex_count;
   MomentumSums sums(state.positions[first], state.velocities[first]);
   for (Index v = first; v < last; ++v)
     if (model_.inverse_masses[v] > 0) sums.add(1 / model_.inverse_masses[v], state.positions[v], state.velocities[v]);
+  return sums;
+}
+
+void Sleep::damp_spin(const Body& body, double kept, State& state) const {
+  const MomentumSums sums = momentum_of(body, state);
   const RigidMotion lost = sums.turn((1 - kept) * sums.spin());
-  for (Index v = first; v < last; ++v)
+  for (Index v = body.first_vertex; v < body.first_vertex + body.vertex_count; ++v)
     if (model_.inverse_masses[v] > 0) state.velocities[v] -= lost(state.positions[v]);
 }
 
@@ -128,7 +127,14 @@ Sleep::Pace Sleep::pace_of(Index b, const State& state) const {
     if (speed > settling) fast += mass;
   }
   const double most = kTremblingPart * masses_[b];
-  return fast > most ? Pace::kFast : trembling > most ? Pace::kSettling : Pace::kSleepy;
+  if (fast > most) return Pace::kFast;
+  if (!(trembling > most)) return Pace::kSleepy;
+  const RigidMotion rigid = momentum_of(body, state).motion();
+  double moving = 0;
+  for (Index v = body.first_vertex; v < body.first_vertex + body.vertex_count; ++v)
+    if (model_.inverse_masses[v] > 0 && rigid(state.positions[v]).squaredNorm() > sleepy)
+      moving += 1 / model_.inverse_masses[v];
+  return moving > most ? Pace::kSettling : Pace::kTrembling;
 }
 
 /// The group of each body: bodies whose boxes, along the way of the next step, overlap, and those that overlap these.
@@ -185,11 +191,17 @@ void Sleep::finish(double step, std::span<const Index> penetrating_bodies, std::
     const double before = was_woken ? 0 : std::max(state.rest_times[b], 0.0);
     if (paces[b] == Pace::kFast) group.time = 0;
     if (paces[b] == Pace::kSettling) group.time = std::min({group.time, before + step, kSettleTime});
+    if (paces[b] == Pace::kTrembling)
+      group.time = std::min(group.time, before + (before < kSettleTime ? step : kTremblingTime * step));
     if (paces[b] == Pace::kSleepy) group.time = std::min(group.time, before + step);
+  }
+  for (std::size_t b = 0; b < count; ++b) {
+    Group& group = groups[of_body[b]];
+    if (paces[b] == Pace::kTrembling && group.bodies == 1) group.time = std::min(group.time, kSettleTime);
   }
   std::vector<Vec3> momenta(count, Vec3::Zero());
   parallel_for(std::ssize(momenta), 1, [&](std::int64_t b) {
-    if (groups[of_body[b]].settles()) momenta[b] = momentum_of(model_.bodies[b], state);
+    if (groups[of_body[b]].settles()) momenta[b] = masses_[b] * momentum_of(model_.bodies[b], state).velocity();
   });
   for (std::size_t b = 0; b < count; ++b) {
     groups[of_body[b]].momentum += momenta[b];

@@ -2,6 +2,7 @@
 
 #include "selvage/simulation/model.h"
 #include "simulation/colliders/prepared_collider.h"
+#include "simulation/rigid_motion.h"
 
 namespace selvage {
 
@@ -14,8 +15,8 @@ namespace selvage {
 /// pinned, and have no velocity. It wakes as a whole where one that is not slow comes near. A body wakes where a
 /// collider that moves comes near it, a handle of it moves or is released, or it is given a velocity. Before it sleeps,
 /// a group of several bodies settles: while it is nearly slow, it is damped but for the velocity that all have in
-/// common, so that what slides or falls together does so as before. A body alone on a collider loses its spin likewise:
-/// nothing else resists rolling.
+/// common, so that what slides or falls together does so as before; and what only trembles in its place, at that pace
+/// and for some seconds, sleeps too. A body alone on a collider loses its spin likewise: nothing else resists rolling.
 ///
 /// All that lasts from step to step is State::rest_times. The same bits for any number of threads.
 /// Source for groups, times and thresholds: Catto, Box2D (islands of contacts; here of boxes, which need no memory).
@@ -48,10 +49,10 @@ class Sleep {
               State& state) const;
 
  private:
-  enum class Pace : std::uint8_t { kFast, kSettling, kSleepy };
+  enum class Pace : std::uint8_t { kFast, kSettling, kTrembling, kSleepy };
 
   Eigen::AlignedBox3d box_of(const Body& body, std::span<const Vec3> positions) const;
-  Vec3 momentum_of(const Body& body, const State& state) const;
+  MomentumSums momentum_of(const Body& body, const State& state) const;
   void damp_spin(const Body& body, double kept, State& state) const;
   void disturb_near(std::span<const PreparedCollider> colliders, const State& state, double start_time,
                     double end_time);

@@ -1,4 +1,5 @@
 // Bodies at rest lie still, and wake for whatever a body would feel.
+#include "simulation/time_step/sleep.h"
 #include "simulation/bodies.h"
 #include "threads.h"
 
@@ -241,6 +242,32 @@ TEST(Sleep, LeavesTheSpinOfWhatFlies) {
   const Vec3 before = angular_momentum(thrown.model, thrown.state);
   thrown.run(90);
   EXPECT_LT((angular_momentum(thrown.model, thrown.state) - before).norm(), 1e-9 * before.norm());
+}
+
+/// Steps of two blocks until both sleep, each vertex shaken to and fro at a speed while all move at another; 3000 where
+/// they do not.
+/// @param gap  between the two [m]
+int steps_until_asleep(double gap, double shaking, const Vec3& common) {
+  const Model model = make(std::vector{block(0.2, {0, 0, 0}), block(0.2, {0, 0, 0.2 + gap})}, rubber());
+  State state = make_state(model, model.rest_positions);
+  Sleep sleep(model, 0.015, Vec3(0, 0, -9.81));
+  const auto time = [](int step) { return step * kStep; };
+  for (int step = 0; step < 3000; ++step) {
+    sleep.begin(state, time(step), time(step + 1), std::vector<std::uint8_t>(2, 0), {});
+    if (sleep.are_all_asleep()) return step;
+    for (std::size_t v = 0; v < state.velocities.size(); ++v)
+      state.velocities[v] = common + Vec3(0, 0, v % 2 == 0 ? shaking : -shaking);
+    sleep.finish(kStep, {}, {}, state);
+  }
+  return 3000;
+}
+
+TEST(Sleep, ComesInTimeToAGroupThatTremblesInItsPlace) {
+  EXPECT_EQ(steps_until_asleep(0.001, 0.01, Vec3::Zero()), 150);  // slow: half a second
+  EXPECT_NEAR(steps_until_asleep(0.001, 0.1, Vec3::Zero()), 30 + 8 * 120, 10);
+  EXPECT_EQ(steps_until_asleep(0.001, 0.1, Vec3(0.1, 0, 0)), 3000);  // slides
+  EXPECT_EQ(steps_until_asleep(0.001, 0.3, Vec3::Zero()), 3000);     // too fast
+  EXPECT_EQ(steps_until_asleep(1, 0.1, Vec3::Zero()), 3000);         // each alone: it swings
 }
 
 TEST(Sleep, OfOneHeapIsNoMatterOfAnotherFarAway) {
