@@ -79,22 +79,13 @@ IndexedMesh make_tube(double outer_radius, double inner_radius, double length, d
   check_positive("outer radius", outer_radius);
   check_positive("inner radius", inner_radius);
   check_positive("length", length);
-  if (!(inner_radius < outer_radius)) {
-    throw Error("inner radius", fmt::format("{} is not smaller than the outer radius {}", inner_radius, outer_radius),
-                "use a smaller inner radius");
-  }
   return make_structured_tube(outer_radius, inner_radius, length, tube_cells(outer_radius, inner_radius, length, cell));
 }
 
 IndexedMesh make_gear(double radius, double hole_radius, double length, int teeth, double cell) {
-  if (teeth < kMinTeeth || teeth > kMaxTeeth)
-    throw Error("teeth", fmt::format("{} are no gear", teeth), fmt::format("use {} to {}", kMinTeeth, kMaxTeeth));
-  const double module = 2 * radius / (teeth + 2), root = radius - 2.25 * module;
-  if (!(hole_radius < root))
-    throw Error("inner radius", fmt::format("{} leaves nothing below the teeth", hole_radius),
-                fmt::format("use less than {:.3g}", root));
   IndexedMesh mesh =
       make_structured_tube(radius, hole_radius, length, gear_cells(radius, hole_radius, length, teeth, cell));
+  const double root = gear_root(radius, teeth);
   for (Vec3& p : mesh.positions) {
     const double distance = p.head<2>().norm();
     // Teeth a little narrower than the gaps, so that two gears turn freely.

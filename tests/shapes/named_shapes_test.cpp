@@ -77,6 +77,10 @@ TEST(NamedShapesRefuse, WhatTheyDoNotHave) {
   EXPECT_NE(refusal([] { make_shape("box", {.elements = 1LL << 40}); }).find("2^29"), std::string::npos);
   EXPECT_NE(refusal([] { make_shape("octopus", {.elements = 100}); }).find("too few"), std::string::npos);
   EXPECT_NE(refusal([] { make_shape("ball", {.elements = 100, .radius = -1}); }).find("length"), std::string::npos);
+  // Radii that leave nothing, before a cell is sought for so many elements.
+  for (const char* name : {"tube", "torus", "gear"})
+    EXPECT_NE(refusal([&] { make_shape(name, {.elements = 5000, .radius = 0.1}); }).find("radius"), std::string::npos);
+  EXPECT_NE(refusal([] { make_shape("gear", {.elements = 50000, .teeth = 3}); }).find("teeth"), std::string::npos);
   EXPECT_NE(refusal([] { make_shape("squishy-ball", {.tentacles = 0}); }).find("tentacles"), std::string::npos);
 }
 
