@@ -23,8 +23,9 @@ inline void check_positive(std::string_view name, double value) {
 /// @throws Error  when a mesh of so many elements, known or estimated, cannot be indexed
 inline void check_element_count(double count) {
   if (!(count <= kMaxElementCount)) {
-    throw Error("", fmt::format("the mesh would have about {:.3g} elements, more than 2^29", count),
-                "use a larger cell");
+    const std::string many =
+        std::isfinite(count) ? fmt::format("about {:.3g} elements, more than 2^29", count) : "more than 2^29 elements";
+    throw Error("", "the mesh would have " + many, "use a larger cell");
   }
 }
 
