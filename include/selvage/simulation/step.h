@@ -33,9 +33,9 @@ struct StepOptions {
   /// A body sleeps, held still as if pinned, once all but 2% of its mass has moved slower than this part of
   /// the speed of a fall through its own size, for half a second, without penetrating, and so has all that is near it.
   /// What comes near and moves, a collider or handle that moves, a velocity and external forces wake it. Bodies near
-  /// one another that are nearly so slow (six times) are damped before, but for what velocity they have in common, and
-  /// sleep too where they only tremble in their places for three seconds; the spin of a body alone on a collider is
-  /// damped, as by a rolling resistance of 3%. 0: nothing sleeps.
+  /// one another that are nearly so slow (six times) are damped before, but for the velocity with which they fall or
+  /// slide together, and sleep too where they only tremble in their places for three seconds; the spin of a body alone
+  /// on a collider is damped, as by a rolling resistance of 3%. 0: nothing sleeps.
   double sleep_speed = 0;
   double max_speed = std::numeric_limits<double>::infinity();  ///< [m/s]
   /// Of bodies on one another and on themselves; colliders have their own.

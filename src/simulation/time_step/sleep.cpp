@@ -2,7 +2,6 @@
 
 #include "core/parallel.h"
 #include "core/union_find.h"
-#include "mesh/position_extent.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,8 +18,15 @@ constexpr double kSettleTime = 0.1, kSleepTime = 0.5;
 constexpr double kSettlingSpeeds = 6, kSettlingDamping = 5;
 /// Part of a body's mass that may tremble: the pressed rim of a body does while the rest stands.
 constexpr double kTremblingPart = 0.02;
-/// Part of the time that counts, after the first, where more trembles in a group of several bodies.
+/// Part that may be faster than what settles: what iterations leave of their balance throws the pressed vertices of a
+/// light body under a heavy one to and fro, and a coarse body has few others.
+constexpr double kThrownPart = 0.1;
+/// Part of the time that counts, after the first, where more trembles in a group of several bodies; and that counts
+/// back where one of them moves as a whole.
 constexpr double kTremblingTime = 0.125;
+/// Damping of the common velocity of such a group, but for that of what colliders push of it [1/s]: a tower sways on
+/// feet that stand, and what slides does so on feet that slide.
+constexpr double kSwayDamping = 1;
 /// Part of a body's size by which its box is larger on all sides.
 constexpr double kGapPart = 0.01;
 
@@ -38,11 +44,32 @@ Eigen::AlignedBox3d in_coordinates_of(const RigidTransform& collider, const Eige
 
 }  // namespace
 
+/// Bodies near one another.
+struct Sleep::Group {
+  struct Sum {
+    double mass = 0;
+    Vec3 momentum = Vec3::Zero();
+
+    void add(double of_mass, const Vec3& velocity) {
+      mass += of_mass;
+      momentum += of_mass * velocity;
+    }
+    Vec3 velocity() const { return mass > 0 ? Vec3(momentum / mass) : Vec3(Vec3::Zero()); }
+  };
+
+  double time = kSleepTime;  ///< at rest [s]
+  int bodies = 0;
+  Sum all, carried;  ///< of what is not pinned; of what colliders have pushed
+
+  bool settles() const { return time >= kSettleTime; }
+};
+
 Sleep::Sleep(const Model& model, double part, const Vec3& gravity)
     : model_(model),
       has_gravity_(!gravity.isZero(0)),
       is_disturbed_(model.bodies.size(), 0),
-      is_asleep_(model.bodies.size(), 0) {
+      is_asleep_(model.bodies.size(), 0),
+      body_of_(bodies_of_vertices(model)) {
   for (const Body& body : model.bodies) {
     const double size = size_of(box_of(body, model.rest_positions));
     speeds_.push_back(part * std::sqrt(2 * gravity.norm() * size));
@@ -127,7 +154,7 @@ Sleep::Pace Sleep::pace_of(Index b, const State& state) const {
     if (speed > settling) fast += mass;
   }
   const double most = kTremblingPart * masses_[b];
-  if (fast > most) return Pace::kFast;
+  if (fast > kThrownPart * masses_[b]) return Pace::kFast;
   if (!(trembling > most)) return Pace::kSleepy;
   const RigidMotion rigid = momentum_of(body, state).motion();
   double moving = 0;
@@ -161,58 +188,69 @@ std::vector<Index> Sleep::groups_of(const State& state, double step) const {
   return groups;
 }
 
-void Sleep::finish(double step, std::span<const Index> penetrating_bodies, std::span<const Index> carried_bodies,
+/// The paces of bodies in a step that has ended.
+std::vector<Sleep::Pace> Sleep::paces_of(std::span<const Index> penetrating, const State& state) const {
+  std::vector<Pace> paces(model_.bodies.size());
+  parallel_for(std::ssize(paces), 1, [&](std::int64_t b) { paces[b] = pace_of(static_cast<Index>(b), state); });
+  for (const Index v : penetrating)
+    if (body_of_[v] != kNone) paces[body_of_[v]] = Pace::kFast;
+  for (std::size_t b = 0; b < paces.size(); ++b)
+    if (state.rest_times[b] < 0) paces[b] = Pace::kFast;
+  return paces;
+}
+
+/// For how long a body has been at rest, if its group has.
+double Sleep::rest_time_of(Index b, Pace pace, bool is_alone, double step, const State& state) const {
+  const bool was_woken = !is_asleep(b) && state.rest_times[b] >= kSleepTime;
+  const double before = was_woken ? 0 : std::max(state.rest_times[b], 0.0);
+  if (pace == Pace::kFast) return 0;
+  if (pace == Pace::kSleepy) return before + step;
+  if (before < kSettleTime) return std::min(before + step, kSettleTime);
+  if (is_alone) return kSettleTime;
+  const double counted = kTremblingTime * step;
+  return pace == Pace::kTrembling ? before + counted : std::max(before - counted, kSettleTime);
+}
+
+/// Adds up what moves in groups that settle, and what colliders have pushed of them.
+/// @return (n_bodies) not 0: some vertex is carried
+std::vector<std::uint8_t> Sleep::add_up(std::span<const Index> carried, std::span<const Index> of_body,
+                                        const State& state, std::span<Group> groups) const {
+  std::vector<Vec3> velocities(of_body.size(), Vec3::Zero());
+  parallel_for(std::ssize(velocities), 1, [&](std::int64_t b) {
+    if (groups[of_body[b]].settles()) velocities[b] = momentum_of(model_.bodies[b], state).velocity();
+  });
+  for (std::size_t b = 0; b < velocities.size(); ++b) groups[of_body[b]].all.add(masses_[b], velocities[b]);
+  std::vector<std::uint8_t> is_carried(of_body.size(), 0);
+  for (const Index v : carried) {
+    const Index b = body_of_[v];
+    if (b == kNone || !(model_.inverse_masses[v] > 0)) continue;
+    is_carried[b] = 1;
+    groups[of_body[b]].carried.add(1 / model_.inverse_masses[v], state.velocities[v]);
+  }
+  return is_carried;
+}
+
+void Sleep::finish(double step, std::span<const Index> penetrating, std::span<const Index> carried,
                    State& state) const {
   const std::size_t count = model_.bodies.size();
   state.rest_times.resize(count, 0);
-  std::vector<Pace> paces(count);
-  parallel_for(std::ssize(paces), 1, [&](std::int64_t b) { paces[b] = pace_of(static_cast<Index>(b), state); });
-  for (const Index b : penetrating_bodies) paces[b] = Pace::kFast;
-  const auto parts = [&](std::size_t b) { return state.rest_times[b] < 0; };
-  for (std::size_t b = 0; b < count; ++b)
-    if (parts(b)) paces[b] = Pace::kFast;
+  const std::vector<Pace> paces = paces_of(penetrating, state);
   if (std::all_of(paces.begin(), paces.end(), [](Pace pace) { return pace == Pace::kFast; })) {
     for (double& time : state.rest_times) time = std::min(time, 0.0);
     return;
   }
   const std::vector<Index> of_body = groups_of(state, step);
-  struct Group {
-    double time = kSleepTime, mass = 0;
-    int bodies = 0;
-    Vec3 momentum = Vec3::Zero();
-
-    bool settles() const { return time >= kSettleTime; }
-  };
   std::vector<Group> groups(count);  // by their first bodies
-  for (std::size_t b = 0; b < count; ++b) {
+  for (const Index g : of_body) ++groups[g].bodies;
+  for (Index b = 0; b < std::ssize(of_body); ++b) {
     Group& group = groups[of_body[b]];
-    ++group.bodies;
-    const bool was_woken = is_asleep_[b] == 0 && state.rest_times[b] >= kSleepTime;
-    const double before = was_woken ? 0 : std::max(state.rest_times[b], 0.0);
-    if (paces[b] == Pace::kFast) group.time = 0;
-    if (paces[b] == Pace::kSettling) group.time = std::min({group.time, before + step, kSettleTime});
-    if (paces[b] == Pace::kTrembling)
-      group.time = std::min(group.time, before + (before < kSettleTime ? step : kTremblingTime * step));
-    if (paces[b] == Pace::kSleepy) group.time = std::min(group.time, before + step);
+    group.time = std::min(group.time, rest_time_of(b, paces[b], group.bodies == 1, step, state));
   }
-  for (std::size_t b = 0; b < count; ++b) {
-    Group& group = groups[of_body[b]];
-    if (paces[b] == Pace::kTrembling && group.bodies == 1) group.time = std::min(group.time, kSettleTime);
-  }
-  std::vector<Vec3> momenta(count, Vec3::Zero());
-  parallel_for(std::ssize(momenta), 1, [&](std::int64_t b) {
-    if (groups[of_body[b]].settles()) momenta[b] = masses_[b] * momentum_of(model_.bodies[b], state).velocity();
-  });
-  for (std::size_t b = 0; b < count; ++b) {
-    groups[of_body[b]].momentum += momenta[b];
-    groups[of_body[b]].mass += masses_[b];
-  }
-  std::vector<std::uint8_t> is_carried(count, 0);
-  for (const Index b : carried_bodies) is_carried[b] = 1;
+  const std::vector<std::uint8_t> is_carried = add_up(carried, of_body, state, groups);
   parallel_for(std::ssize(paces), 1, [&](std::int64_t b) {
     const Group& group = groups[of_body[b]];
     const bool was_asleep = state.rest_times[b] >= kSleepTime && is_asleep_[b] != 0;
-    if (parts(b)) return;
+    if (state.rest_times[b] < 0) return;
     state.rest_times[b] = group.time;
     if (was_asleep || !group.settles()) return;
     const auto velocities =
@@ -221,8 +259,9 @@ void Sleep::finish(double step, std::span<const Index> penetrating_bodies, std::
     if (group.time >= kSleepTime) {
       std::fill(velocities.begin(), velocities.end(), Vec3::Zero());
     } else if (group.bodies > 1) {
-      const Vec3 common = group.mass == 0 ? Vec3(Vec3::Zero()) : Vec3(group.momentum / group.mass);
-      for (Vec3& v : velocities) v = common + kept * (v - common);
+      const Vec3 common = group.all.velocity(), slide = group.carried.mass > 0 ? group.carried.velocity() : common;
+      const Vec3 left = slide + (common - slide) / (1 + kSwayDamping * step);
+      for (Vec3& v : velocities) v = left + kept * (v - common);
     } else if (is_carried[b] != 0) {
       damp_spin(model_.bodies[b], kept, state);
     }

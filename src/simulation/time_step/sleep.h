@@ -15,8 +15,9 @@ namespace selvage {
 /// pinned, and have no velocity. It wakes as a whole where one that is not slow comes near. A body wakes where a
 /// collider that moves comes near it, a handle of it moves or is released, or it is given a velocity. Before it sleeps,
 /// a group of several bodies settles: while it is nearly slow, it is damped but for the velocity that all have in
-/// common, so that what slides or falls together does so as before; and what only trembles in its place, at that pace
-/// and for some seconds, sleeps too. A body alone on a collider loses its spin likewise: nothing else resists rolling.
+/// common, so that what slides or falls together does so as before; that is damped too, less, where its feet on
+/// colliders do not move along; and what only trembles in its place, at that pace and for some seconds, sleeps too. A
+/// body alone on a collider loses its spin likewise: nothing else resists rolling.
 ///
 /// All that lasts from step to step is State::rest_times. The same bits for any number of threads.
 /// Source for groups, times and thresholds: Catto, Box2D (islands of contacts; here of boxes, which need no memory).
@@ -41,15 +42,15 @@ class Sleep {
   std::int64_t asleep_count() const { return asleep_count_; }
 
   /// Takes over into State::rest_times what the step has shown, and stops what falls asleep. O(n).
-  /// @param step                its length [s]
-  /// @param penetrating_bodies  any order, also more than once
-  /// @param carried_bodies      those that colliders have pushed, likewise
-  /// @param state               at the end of the step
-  void finish(double step, std::span<const Index> penetrating_bodies, std::span<const Index> carried_bodies,
-              State& state) const;
+  /// @param step         its length [s]
+  /// @param penetrating  vertices, in any order, also more than once
+  /// @param carried      those that colliders have pushed, likewise
+  /// @param state        at the end of the step
+  void finish(double step, std::span<const Index> penetrating, std::span<const Index> carried, State& state) const;
 
  private:
   enum class Pace : std::uint8_t { kFast, kSettling, kTrembling, kSleepy };
+  struct Group;
 
   Eigen::AlignedBox3d box_of(const Body& body, std::span<const Vec3> positions) const;
   MomentumSums momentum_of(const Body& body, const State& state) const;
@@ -57,7 +58,11 @@ class Sleep {
   void disturb_near(std::span<const PreparedCollider> colliders, const State& state, double start_time,
                     double end_time);
   Pace pace_of(Index body, const State& state) const;
+  std::vector<Pace> paces_of(std::span<const Index> penetrating, const State& state) const;
+  double rest_time_of(Index body, Pace pace, bool is_alone, double step, const State& state) const;
   std::vector<Index> groups_of(const State& state, double step) const;
+  std::vector<std::uint8_t> add_up(std::span<const Index> carried, std::span<const Index> of_body, const State& state,
+                                   std::span<Group> groups) const;
 
   const Model& model_;
   bool has_gravity_;
@@ -65,6 +70,7 @@ class Sleep {
   std::vector<double> masses_;                          ///< (n_bodies) of what is not pinned [kg]
   std::vector<double> gaps_;                            ///< (n_bodies) by which a box is larger than the body [m]
   std::vector<std::uint8_t> is_disturbed_, is_asleep_;  ///< (n_bodies) in this step
+  std::vector<Index> body_of_;                          ///< (n_vertices), kNone: of none
   std::int64_t asleep_count_ = 0;
 };
 

@@ -383,15 +383,14 @@ void TimeStep::finish(State& state) {
   deep.insert(deep.end(), draw_off_.across().begin(), draw_off_.across().end());
   if (gate_) parting_.finish(free_momentum_.pieces(), start_momentum_, contacts_, deep, state);
   if (!sleep_) return;
-  const auto add_bodies_of = [&](std::span<const Index> vertices, std::vector<Index>& bodies) {
-    for (const Index v : vertices)
-      if (v < vertex_count() && body_of_[v] != kNone) bodies.push_back(body_of_[v]);
-  };
-  std::vector<Index> penetrating, carried;
-  add_bodies_of(draw_off_.vertices(), penetrating);
-  if (contact_finder_) add_bodies_of(contact_finder_->penetrating_vertices(), penetrating);
-  add_bodies_of(collider_contacts_.pushed, carried);
-  sleep_->finish(step_.length(), penetrating, carried, state);
+  const std::span<const Index> drawn = draw_off_.vertices();
+  std::vector<Index> penetrating(drawn.begin(), drawn.end());
+  if (contact_finder_) {
+    const std::span<const Index> inside = contact_finder_->penetrating_vertices();
+    penetrating.insert(penetrating.end(), inside.begin(), inside.end());
+  }
+  std::erase_if(penetrating, [&](Index v) { return v >= vertex_count(); });
+  sleep_->finish(step_.length(), penetrating, collider_contacts_.pushed, state);
 }
 
 }  // namespace selvage

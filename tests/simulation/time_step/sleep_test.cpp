@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 
 namespace selvage {
@@ -244,10 +245,11 @@ TEST(Sleep, LeavesTheSpinOfWhatFlies) {
   EXPECT_LT((angular_momentum(thrown.model, thrown.state) - before).norm(), 1e-9 * before.norm());
 }
 
-/// Steps of two blocks until both sleep, each vertex shaken to and fro at a speed while all move at another; 3000 where
+/// Steps of two blocks until both sleep, vertices shaken to and fro at a speed while all move at another; 3000 where
 /// they do not.
-/// @param gap  between the two [m]
-int steps_until_asleep(double gap, double shaking, const Vec3& common) {
+/// @param gap    between the two [m]
+/// @param every  one vertex in so many is shaken
+int steps_until_asleep(double gap, double shaking, const Vec3& common, int every = 1) {
   const Model model = make(std::vector{block(0.2, {0, 0, 0}), block(0.2, {0, 0, 0.2 + gap})}, rubber());
   State state = make_state(model, model.rest_positions);
   Sleep sleep(model, 0.015, Vec3(0, 0, -9.81));
@@ -255,8 +257,8 @@ int steps_until_asleep(double gap, double shaking, const Vec3& common) {
   for (int step = 0; step < 3000; ++step) {
     sleep.begin(state, time(step), time(step + 1), std::vector<std::uint8_t>(2, 0), {});
     if (sleep.are_all_asleep()) return step;
-    for (std::size_t v = 0; v < state.velocities.size(); ++v)
-      state.velocities[v] = common + Vec3(0, 0, v % 2 == 0 ? shaking : -shaking);
+    for (int v = 0; v < std::ssize(state.velocities); ++v)
+      state.velocities[v] = common + Vec3(0, 0, v % every != 0 ? 0 : v % 2 == 0 ? shaking : -shaking);
     sleep.finish(kStep, {}, {}, state);
   }
   return 3000;
@@ -265,9 +267,39 @@ int steps_until_asleep(double gap, double shaking, const Vec3& common) {
 TEST(Sleep, ComesInTimeToAGroupThatTremblesInItsPlace) {
   EXPECT_EQ(steps_until_asleep(0.001, 0.01, Vec3::Zero()), 150);  // slow: half a second
   EXPECT_NEAR(steps_until_asleep(0.001, 0.1, Vec3::Zero()), 30 + 8 * 120, 10);
+  EXPECT_NEAR(steps_until_asleep(0.001, 0.2, Vec3::Zero(), 26), 30 + 8 * 120, 10);  // a few vertices, however fast
+  EXPECT_EQ(steps_until_asleep(0.001, 0.2, Vec3::Zero(), 3), 3000);
   EXPECT_EQ(steps_until_asleep(0.001, 0.1, Vec3(0.1, 0, 0)), 3000);  // slides
   EXPECT_EQ(steps_until_asleep(0.001, 0.3, Vec3::Zero()), 3000);     // too fast
   EXPECT_EQ(steps_until_asleep(1, 0.1, Vec3::Zero()), 3000);         // each alone: it swings
+}
+
+/// Part that two blocks, one on the other, keep in a second of the velocity that they have in common.
+/// @param feet_stand        the vertices at the bottom do not move along
+/// @param feet_are_carried  by a collider
+double kept_in_a_second(bool feet_stand, bool feet_are_carried) {
+  const Model model = make(std::vector{block(0.2, {0, 0, 0}), block(0.2, {0, 0, 0.201})}, rubber());
+  State state = make_state(model, model.rest_positions);
+  std::vector<Index> feet;
+  for (Index v = 0; v < std::ssize(state.positions); ++v)
+    if (state.positions[v][2] == 0) feet.push_back(v);
+  Sleep sleep(model, 0.015, Vec3(0, 0, -9.81));
+  const Vec3 start(0.15, 0, 0);
+  std::fill(state.velocities.begin(), state.velocities.end(), start);
+  for (int step = 0; step < 30 + 300; ++step) {
+    const double now = step * kStep;
+    sleep.begin(state, now, now + kStep, std::vector<std::uint8_t>(2, 0), {});
+    for (const Index v : feet)
+      if (feet_stand) state.velocities[v] = Vec3::Zero();
+    sleep.finish(kStep, {}, feet_are_carried ? feet : std::vector<Index>(), state);
+  }
+  return state.velocities.back()[0] / start[0];
+}
+
+TEST(Sleep, StillsATowerThatSwaysAndNothingThatSlidesOrFalls) {
+  EXPECT_NEAR(kept_in_a_second(true, true) / kept_in_a_second(true, false), std::exp(-1.0), 0.05);
+  EXPECT_NEAR(kept_in_a_second(false, true), 1, 1e-12);   // slides
+  EXPECT_NEAR(kept_in_a_second(false, false), 1, 1e-12);  // falls
 }
 
 TEST(Sleep, OfOneHeapIsNoMatterOfAnotherFarAway) {
