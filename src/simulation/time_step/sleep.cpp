@@ -24,9 +24,9 @@ constexpr double kThrownPart = 0.1;
 /// Part of the time that counts, after the first, where more trembles in a group of several bodies; and that counts
 /// back where one of them moves as a whole.
 constexpr double kTremblingTime = 0.125;
-/// Damping of the common velocity of such a group, but for that of what colliders push of it [1/s]: a tower sways on
-/// feet that stand, and what slides does so on feet that slide.
-constexpr double kSwayDamping = 1;
+/// Damping of the common velocity of such a group, but for that of its bodies on colliders [1/s]: a tower sways on a
+/// foot that stands, and what slides or rolls does so with its foot.
+constexpr double kSwayDamping = 2;
 /// Part of a body's size by which its box is larger on all sides.
 constexpr double kGapPart = 0.01;
 
@@ -59,7 +59,7 @@ struct Sleep::Group {
 
   double time = kSleepTime;  ///< at rest [s]
   int bodies = 0;
-  Sum all, carried;  ///< of what is not pinned; of what colliders have pushed
+  Sum all, carried;  ///< of all bodies; of those that colliders have pushed
 
   bool settles() const { return time >= kSettleTime; }
 };
@@ -211,23 +211,17 @@ double Sleep::rest_time_of(Index b, Pace pace, bool is_alone, double step, const
   return pace == Pace::kTrembling ? before + counted : std::max(before - counted, kSettleTime);
 }
 
-/// Adds up what moves in groups that settle, and what colliders have pushed of them.
-/// @return (n_bodies) not 0: some vertex is carried
-std::vector<std::uint8_t> Sleep::add_up(std::span<const Index> carried, std::span<const Index> of_body,
-                                        const State& state, std::span<Group> groups) const {
+/// Adds up what moves in groups that settle.
+void Sleep::add_up(std::span<const std::uint8_t> is_carried, std::span<const Index> of_body, const State& state,
+                   std::span<Group> groups) const {
   std::vector<Vec3> velocities(of_body.size(), Vec3::Zero());
   parallel_for(std::ssize(velocities), 1, [&](std::int64_t b) {
     if (groups[of_body[b]].settles()) velocities[b] = momentum_of(model_.bodies[b], state).velocity();
   });
-  for (std::size_t b = 0; b < velocities.size(); ++b) groups[of_body[b]].all.add(masses_[b], velocities[b]);
-  std::vector<std::uint8_t> is_carried(of_body.size(), 0);
-  for (const Index v : carried) {
-    const Index b = body_of_[v];
-    if (b == kNone || !(model_.inverse_masses[v] > 0)) continue;
-    is_carried[b] = 1;
-    groups[of_body[b]].carried.add(1 / model_.inverse_masses[v], state.velocities[v]);
+  for (std::size_t b = 0; b < velocities.size(); ++b) {
+    groups[of_body[b]].all.add(masses_[b], velocities[b]);
+    if (is_carried[b] != 0) groups[of_body[b]].carried.add(masses_[b], velocities[b]);
   }
-  return is_carried;
 }
 
 void Sleep::finish(double step, std::span<const Index> penetrating, std::span<const Index> carried,
@@ -246,7 +240,10 @@ void Sleep::finish(double step, std::span<const Index> penetrating, std::span<co
     Group& group = groups[of_body[b]];
     group.time = std::min(group.time, rest_time_of(b, paces[b], group.bodies == 1, step, state));
   }
-  const std::vector<std::uint8_t> is_carried = add_up(carried, of_body, state, groups);
+  std::vector<std::uint8_t> is_carried(count, 0);
+  for (const Index v : carried)
+    if (body_of_[v] != kNone) is_carried[body_of_[v]] = 1;
+  add_up(is_carried, of_body, state, groups);
   parallel_for(std::ssize(paces), 1, [&](std::int64_t b) {
     const Group& group = groups[of_body[b]];
     const bool was_asleep = state.rest_times[b] >= kSleepTime && is_asleep_[b] != 0;
@@ -259,8 +256,8 @@ void Sleep::finish(double step, std::span<const Index> penetrating, std::span<co
     if (group.time >= kSleepTime) {
       std::fill(velocities.begin(), velocities.end(), Vec3::Zero());
     } else if (group.bodies > 1) {
-      const Vec3 common = group.all.velocity(), slide = group.carried.mass > 0 ? group.carried.velocity() : common;
-      const Vec3 left = slide + (common - slide) / (1 + kSwayDamping * step);
+      const Vec3 common = group.all.velocity(), of_feet = group.carried.mass > 0 ? group.carried.velocity() : common;
+      const Vec3 left = of_feet + (common - of_feet) / (1 + kSwayDamping * step);
       for (Vec3& v : velocities) v = left + kept * (v - common);
     } else if (is_carried[b] != 0) {
       damp_spin(model_.bodies[b], kept, state);

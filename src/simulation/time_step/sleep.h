@@ -15,7 +15,7 @@ namespace selvage {
 /// pinned, and have no velocity. It wakes as a whole where one that is not slow comes near. A body wakes where a
 /// collider that moves comes near it, a handle of it moves or is released, or it is given a velocity. Before it sleeps,
 /// a group of several bodies settles: while it is nearly slow, it is damped but for the velocity that all have in
-/// common, so that what slides or falls together does so as before; that is damped too, less, where its feet on
+/// common, so that what slides or falls together does so as before; that is damped too, less, where the bodies on
 /// colliders do not move along; and what only trembles in its place, at that pace and for some seconds, sleeps too. A
 /// body alone on a collider loses its spin likewise: nothing else resists rolling.
 ///
@@ -61,8 +61,8 @@ class Sleep {
   std::vector<Pace> paces_of(std::span<const Index> penetrating, const State& state) const;
   double rest_time_of(Index body, Pace pace, bool is_alone, double step, const State& state) const;
   std::vector<Index> groups_of(const State& state, double step) const;
-  std::vector<std::uint8_t> add_up(std::span<const Index> carried, std::span<const Index> of_body, const State& state,
-                                   std::span<Group> groups) const;
+  void add_up(std::span<const std::uint8_t> is_carried, std::span<const Index> of_body, const State& state,
+              std::span<Group> groups) const;
 
   const Model& model_;
   bool has_gravity_;
