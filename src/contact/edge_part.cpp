@@ -38,6 +38,20 @@ EdgePart whole_of(std::span<const ElementPart> run) {
   return whole;
 }
 
+/// Whether a segment meets a tetrahedron, decided exactly.
+bool meets(const std::array<Vec3, 2>& segment, const std::array<Vec3, 4>& tetrahedron) {
+  const auto& [from, to] = segment;
+  if (locate_in_simplex<3>(tetrahedron, from).inside || locate_in_simplex<3>(tetrahedron, to).inside) return true;
+  for (int i = 0; i < 4; ++i) {
+    const Vec3 &a = tetrahedron[(i + 1) & 3], &b = tetrahedron[(i + 2) & 3], &c = tetrahedron[(i + 3) & 3];
+    if (orient3d(a, b, c, from) * orient3d(a, b, c, to) > 0) continue;
+    const auto [least, most] =
+        std::minmax({orient3d(from, to, a, b), orient3d(from, to, b, c), orient3d(from, to, c, a)});
+    if (least >= 0 || most <= 0) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 std::optional<EdgePart> part_inside(const std::array<Vec3, 2>& segment, const std::array<Vec3, 4>& tetrahedron) {
@@ -54,6 +68,8 @@ std::optional<EdgePart> part_inside(const std::array<Vec3, 2>& segment, const st
   if (!(part.first <= part.last)) return {};
   const Vec3 point = segment[0] + part.middle() * (segment[1] - segment[0]);
   if (!point.allFinite() || !locate_in_simplex<3>(tetrahedron, point).inside) return {};
+  // What is as near as rounding seems to be inside, and would no longer be kept from getting there.
+  if (!meets(segment, tetrahedron)) return {};
   return part;
 }
 

@@ -12,8 +12,9 @@ struct EdgePart {
   double middle() const { return (first + last) / 2; }
 };
 
-/// The part of a segment inside a tetrahedron. Nothing where no part is inside, or so short a one that its middle,
-/// rounded, is not (decided exactly). A flat tetrahedron holds nothing, an inverted one what its mirror image holds.
+/// The part of a segment inside a tetrahedron. Nothing where the two do not meet (decided exactly), or the part is so
+/// short that its middle, rounded, is not inside (likewise). A flat tetrahedron holds nothing, an inverted one what its
+/// mirror image holds.
 std::optional<EdgePart> part_inside(const std::array<Vec3, 2>& segment, const std::array<Vec3, 4>& tetrahedron);
 
 /// The part of an edge in an element.

@@ -1,6 +1,7 @@
 #include "contact/penetration_search.h"
 
 #include "contact/edge_part.h"
+#include "geometry/exact_oracle.h"
 #include "mesh/simplex_corners.h"
 #include "selvage/boundary_path/boundary_path.h"
 #include "selvage/geometry/predicates.h"
@@ -299,6 +300,49 @@ TEST(PartInside, IsWithinWhatSamplesFindInside) {
     }
   }
   EXPECT_GT(inside_count, 0);
+}
+
+/// Whether a segment meets a tetrahedron, in rational arithmetic.
+bool meets_exactly(const std::array<Vec3, 2>& segment, const std::array<Vec3, 4>& corners) {
+  const int upright = test::rational_orientation<3>(corners);
+  test::Rational first = 0, last = 1;
+  for (int i = 0; i < 4; ++i) {
+    const auto height = [&](const Vec3& p) {
+      std::array<test::RationalPoint<3>, 4> of;
+      for (int k = 0; k < 4; ++k) of[k] = test::to_rational<3>(k == i ? p : corners[k]);
+      return test::Rational(upright * test::signed_volume(of));
+    };
+    const test::Rational start = height(segment[0]), end = height(segment[1]);
+    if (start < 0 && end < 0) return false;
+    if (start < 0) first = std::max(first, test::Rational(start / (start - end)));
+    if (end < 0) last = std::min(last, test::Rational(start / (start - end)));
+  }
+  return first <= last;
+}
+
+TEST(PartInside, IsNoneBesideATetrahedronHoweverNear) {
+  // From a run: an edge passes another one by less than rounding.
+  const std::array<Vec3, 2> edge{Vec3{-0x1.4b045a5fefaa4p-1, -0x1.709cbdbebcb09p-3, -0x1.962eab4443fa3p-4},
+                                 Vec3{-0x1.2883366de08dfp-1, -0x1.79220663e815fp-3, -0x1.e1b089a027530p-4}};
+  const std::array<Vec3, 4> element{Vec3{-0x1.2d5042de9a211p-1, -0x1.bd371af4ad3bdp-3, -0x1.e19875185899bp-4},
+                                    Vec3{-0x1.38198d70f6ec5p-1, -0x1.578674978736bp-3, -0x1.b28d39f1b113ap-4},
+                                    Vec3{-0x1.4258d483c83bep-1, -0x1.8218cc8edcae6p-3, -0x1.afdf52d571c9ap-4},
+                                    Vec3{-0x1.32955b91c0ad4p-1, -0x1.456c5aadb6fa9p-3, -0x1.6bc355b9a14ebp-4}};
+  EXPECT_FALSE(meets_exactly(edge, element));
+  EXPECT_FALSE(part_inside(edge, element));
+  Random random(seed(4));
+  int beside = 0;
+  for (std::int64_t n = 0; n < scaled(3000); ++n) {
+    std::array<Vec3, 4> corners;
+    for (Vec3& x : corners) x = random.vector(1);
+    const double place = random.unit();
+    const Vec3 on_edge = (1 - place) * corners[0] + place * corners[1], way = random.vector(1);
+    const std::array<Vec3, 2> segment{on_edge - way, on_edge + way};
+    const bool meets = meets_exactly(segment, corners);
+    beside += !meets;
+    EXPECT_TRUE(meets || !part_inside(segment, corners));
+  }
+  EXPECT_GT(beside, 100);
 }
 
 TEST(PartInside, FlatTetrahedraHoldNothing) {

@@ -10,6 +10,8 @@ namespace selvage {
 namespace {
 
 constexpr std::int64_t kVertexGrain = 1024;
+/// Part of the depth of a touch up to which two depths are the same.
+constexpr double kSameDepth = 1e-3;
 /// Vertices that are skipped together where a collider is far from all of them.
 constexpr std::int64_t kVertexRun = 128;
 
@@ -122,7 +124,8 @@ struct MovingCollider {
     if (hit && hit->depth > depth_left) position(vertex) = end(p + (hit->depth - depth_left) * hit->normal);
   }
 
-  /// Whether a vertex is inside at the end of the step, or has passed, by more than a depth and more than it was.
+  /// Whether a vertex is inside at the end of the step, or has passed, by more than a depth and more than it was. What a
+  /// collider carries along is as deep but for rounding.
   bool is_entered(const Step& step, Index v, double least_depth, const StepVertex& vertex) const {
     if (is_far(step, v, 0, vertex)) return false;
     return std::visit(
@@ -132,7 +135,7 @@ struct MovingCollider {
           const std::optional<Hit> hit = find_hit_on_way(shape, was, p);
           if (!hit || !(hit->depth > least_depth)) return false;
           const std::optional<Hit> before = find_hit(shape, was);
-          return !before || hit->depth > before->depth + least_depth;
+          return !before || hit->depth > before->depth + kSameDepth * least_depth;
         },
         collider.shape);
   }

@@ -99,8 +99,8 @@ struct ColliderEntry {
   Index vertex, collider;
 };
 
-/// Entries of those of some vertices that started the step outside of the collider, or deeper now than then by more
-/// than kContactGap of their largest correction; but for what is let in. Parallel; in order.
+/// Entries of those of some vertices that end the step deeper in a collider than kContactGap of their largest
+/// correction, and than they started it; but for what is let in. Parallel; in order.
 /// @param states  (n_vertices x n_colliders)
 std::vector<ColliderEntry> find_entries(std::span<const PreparedCollider> colliders, const Step& step,
                                         std::span<const double> max_corrections,

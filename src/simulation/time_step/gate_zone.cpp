@@ -2,6 +2,8 @@
 
 #include "simulation/rigid_motion.h"
 
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
 #include <map>
 
@@ -14,6 +16,15 @@ constexpr int kSweeps = 30;
 /// Touches of a carrier that lead the vertices around them: of more, evenly chosen ones do, or the cost of a body that
 /// is pressed from all sides would grow with the square of its vertices.
 constexpr int kMaxLeaders = 32;
+
+/// Largest strain of a zone in a step, and times the longest way of what touches it that a vertex may go.
+constexpr double kMaxStrain = 0.5, kMaxBeyond = 2;
+/// Cosine of ways out of a collider above which they lead to one side.
+constexpr double kOneSided = 0.5;
+/// Part of a contact's gap by which touches may be off their ways.
+constexpr double kOffWay = 0.5;
+/// Square of the extent in a direction, against that of the widest, below which points do not tell a strain there.
+constexpr double kFlat = 1e-12;
 
 RigidMotion motion_of(const RigidTransform& carrier) {
   return {
@@ -52,10 +63,38 @@ void GateZone::add(const ZoneTouch& touch) {
   if (carrier_ == kNone || touch.carrier < carrier_) carrier_ = touch.carrier;
 }
 
+bool GateZone::lead_out(const Carriers& carriers, const Step& step, double part) {
+  struct WayOut {
+    Vec3 way = Vec3::Zero();
+    bool is_split = false;
+  };
+  std::map<Index, WayOut> ways;
+  const auto visit_deep = [&](auto&& visit) {
+    for (const ZoneTouch& touch : touches_) {
+      const Index collider = touch.carrier - carriers.of_collider(0);
+      if (touch.count > 1 || collider < 0) continue;
+      const ColliderContactState& state = carriers.states[touch.vertices[0] * carriers.colliders.size() + collider];
+      if (state.acts(step) && !state.waits && state.start_depth > 0) visit(ways[touch.carrier], state);
+    }
+  };
+  visit_deep([&](WayOut& out, const ColliderContactState& state) {
+    const double way = part * (state.start_depth - state.depth_left);
+    if (way > out.way.norm()) out.way = way * state.way_out;
+  });
+  visit_deep([](WayOut& out, const ColliderContactState& state) {
+    out.is_split |= state.way_out.dot(out.way) < kOneSided * out.way.norm();
+  });
+  std::erase_if(ways, [](const auto& entry) { return entry.second.is_split; });
+  for (ZoneTouch& touch : touches_)
+    if (const auto out = ways.find(touch.carrier); out != ways.end()) touch.way += out->second.way;
+  if (const auto out = ways.find(carrier_); out != ways.end()) way_out_ = out->second.way;
+  return !ways.empty();
+}
+
 bool GateZone::is_torn(const Step& step, const Carriers& carriers, double least) const {
   return std::any_of(touches_.begin(), touches_.end(), [&](const ZoneTouch& touch) {
     if (touch.carrier == carrier_) return false;
-    const Vec3 apart = touch.way - carriers.way(carrier_, step, touch.point);
+    const Vec3 apart = touch.way - carriers.way(carrier_, step, touch.point) - way_out_;
     return apart.norm() > least * kContactGap * carriers.max_corrections[touch.vertices[0]];
   });
 }
@@ -70,6 +109,43 @@ std::vector<GateZone::Leader> GateZone::leaders() const {
     if (seen[touch.carrier]++ % each == 0) result.push_back({touch.point, touch.way, static_cast<double>(each)});
   }
   return result;
+}
+
+/// The affine displacement nearest to the ways of the touches, if these follow it: between two plates that close in,
+/// say. However near to one another vertices of the zone are, it lets none meet.
+std::optional<std::vector<Vec3>> GateZone::affine_ways(const Step& step, const Carriers& carriers) const {
+  Vec3 centre = Vec3::Zero(), shift = Vec3::Zero();
+  for (const ZoneTouch& touch : touches_) {
+    centre += touch.point / static_cast<double>(touches_.size());
+    shift += touch.way / static_cast<double>(touches_.size());
+  }
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero(), moved = Eigen::Matrix3d::Zero();
+  double longest = 0;
+  for (const ZoneTouch& touch : touches_) {
+    const Vec3 arm = touch.point - centre, way = touch.way - shift;
+    spread += arm * arm.transpose();
+    moved += way * arm.transpose();
+    longest = std::max(longest, touch.way.norm());
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
+  Eigen::Matrix3d strain = Eigen::Matrix3d::Zero();
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 axis = axes.eigenvectors().col(k);
+    if (axes.eigenvalues()[k] > kFlat * axes.eigenvalues()[2])
+      strain += moved * axis * axis.transpose() / axes.eigenvalues()[k];
+  }
+  const auto way_of = [&](const Vec3& place) { return Vec3(shift + strain * (place - centre)); };
+  if (!(strain.norm() < kMaxStrain)) return {};
+  for (const ZoneTouch& touch : touches_)
+    if (!((way_of(touch.point) - touch.way).norm() <
+          kOffWay * kContactGap * carriers.max_corrections[touch.vertices[0]]))
+      return {};
+  std::vector<Vec3> ways;
+  for (const Index v : vertices) {
+    ways.push_back(way_of(step.positions[v]));
+    if (!(ways.back().norm() <= kMaxBeyond * longest)) return {};
+  }
+  return ways;
 }
 
 /// Vertices go with the touches around them, the nearest most. Some side by side, as sums of this many terms take long.
@@ -97,8 +173,9 @@ std::vector<Vec3> GateZone::led_ways(const Step& step, const Carriers& carriers)
   return ways;
 }
 
-/// Vertices are led; then the touches are closed in turn.
+/// Where no affine displacement does, vertices are led; then the touches are closed in turn.
 std::vector<Vec3> GateZone::bent_ways(const Model& model, const Step& step, const Carriers& carriers) const {
+  if (auto affine = affine_ways(step, carriers)) return *std::move(affine);
   std::vector<Vec3> ways = led_ways(step, carriers);
   std::vector<std::array<std::size_t, 3>> places;  // in `vertices`, of those that each touch names
   for (const ZoneTouch& touch : touches_) {
@@ -128,7 +205,7 @@ std::vector<Vec3> GateZone::base_ways(const Model& model, const Step& step, cons
   RigidMotion motion;
   if (carrier_ != kNone && carriers.keyframed(carrier_) != nullptr) {
     if (base != ZoneBase::kRigid) {
-      for (const Index v : vertices) ways.push_back(carried(v));
+      for (const Index v : vertices) ways.push_back(carried(v) + way_out_);
       return ways;
     }
     motion = rigid_motion(
@@ -141,7 +218,7 @@ std::vector<Vec3> GateZone::base_ways(const Model& model, const Step& step, cons
         [&](Index v) { return Vec3(targets[v] - step.positions[v]); });
     if (base == ZoneBase::kDrifts) motion.linear.setZero();
   }
-  for (const Index v : vertices) ways.push_back(motion(step.positions[v]));
+  for (const Index v : vertices) ways.push_back(motion(step.positions[v]) + way_out_);
   return ways;
 }
 

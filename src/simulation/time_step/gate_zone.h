@@ -7,6 +7,8 @@
 #include "simulation/step_vertex.h"
 
 #include <array>
+#include <optional>
+#include <vector>
 
 namespace selvage {
 
@@ -58,6 +60,13 @@ class GateZone {
 
   void add(const ZoneTouch& touch);
 
+  /// Lets what touches a collider and started the step inside leave it, all of the zone by the same way: held at the
+  /// place where they are, vertices would stay inside for ever. Where ways out lead to several sides nothing is
+  /// changed. To be called after all touches are added.
+  /// @param part  of the way by which contacts would let the deepest out in the step
+  /// @return      whether any leaves
+  bool lead_out(const Carriers& carriers, const Step& step, double part);
+
   /// Whether carriers move apart where the zone touches them.
   /// @param least  by more than this part of a contact's gap
   bool is_torn(const Step& step, const Carriers& carriers, double least) const;
@@ -80,10 +89,12 @@ class GateZone {
     double weight;
   };
 
+  std::optional<std::vector<Vec3>> affine_ways(const Step& step, const Carriers& carriers) const;
   std::vector<Leader> leaders() const;
   std::vector<Vec3> led_ways(const Step& step, const Carriers& carriers) const;
 
-  Index carrier_ = kNone;  ///< the least
+  Index carrier_ = kNone;        ///< the least
+  Vec3 way_out_ = Vec3::Zero();  ///< of that [m]
   std::vector<ZoneTouch> touches_;
 };
 

@@ -5,26 +5,31 @@
 #include "selvage/geometry/closest_point.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
 namespace selvage {
 
 namespace {
 
 /// Parts of its rest volume: below the first an element may lose at most half of its volume in a step, below the second
-/// nothing.
-constexpr double kThinVolume = 0.02, kMinVolume = 0.002;
+/// nothing. But after kBaseRounds the third part: where carriers close in, one of them would get into the zone else.
+constexpr double kThinVolume = 0.02, kMinVolume = 0.002, kBentLoss = 0.1;
 /// Part of its relative motion that a zone with a collapsing element keeps in the first rounds.
 constexpr double kCollapseShare = 0.6;
 /// Rounds in which a zone's motion is scaled by its first impact; then by kLaterShare; then nothing but its base motion
 /// is left; of that the shift alone, with which a zone of a body in flight flies on; then nothing at all.
 constexpr int kImpactRounds = 2, kScaledRounds = 4, kBaseRounds = 7, kDriftRounds = 30;
 constexpr double kDrifts = -1, kStands = -2, kStandsAlways = -3;
+/// Parts of the way out of a collider that a zone goes in the first round, and from round to round: elements beside it
+/// may be thin.
+constexpr double kPartOut = 0.1, kLaterPartOut = 0.5;
 /// Rounds in which a zone is bent between carriers that move apart, or fewer if a round changes nothing. Later the
 /// first of them carries it: the rounds end, and where there is no room the others get in a little, but no element
 /// inverts.
-constexpr int kBentRounds = 12;
+constexpr int kBentRounds = 20;
 /// In folds up to so many elements may be inverted in a step, or so many for each vertex there. Where a whole body is
 /// inside itself, ways out lead through four elements for five vertices: all at once they would turn it inside out.
 constexpr double kFewInFolds = 64, kFoldShare = 0.6;
@@ -67,13 +72,15 @@ StepGate::StepGate(const Model& model, Index contact_vertex_count, bool is_stric
   entered_.assign(count, kNone);
   shares_.assign(count, 1);
   times_.assign(count, 1);
+  ways_out_.assign(count, Vec3::Zero());
 }
 
 bool StepGate::is_violated(ContactFinder& finder, const Step& step, std::span<const StepVertex> vertices,
                            bool impacts_known) {
+  for (const ZoneLink& link : links_) ways_out_[link.vertex].setZero();
   links_.clear();
   folded_.clear();
-  find_collapsing_elements(step, vertices);
+  find_collapsing_elements(0, step, vertices);
   if (!is_strict_) let_folds_invert(finder.folded_vertices());
   if (impacts_known) {
     impacts_ = {};
@@ -94,18 +101,19 @@ void StepGate::find_entries(const Step& step, const Carriers& carriers, std::spa
 }
 
 /// Of an element that is thin at the end of the step.
-bool StepGate::is_collapsing(Index element, const Step& step, std::span<const StepVertex> vertices) const {
+bool StepGate::is_collapsing(Index element, int round, const Step& step, std::span<const StepVertex> vertices) const {
   const auto& corners = model_.mesh.elements()[element];
   const Vec3 origin = position(vertices[corners[0]]);
   const Vec3 a = position(vertices[corners[1]]) - origin, b = position(vertices[corners[2]]) - origin,
              c = position(vertices[corners[3]]) - origin;
   const double volume = a.cross(b).dot(c) / 6, rest = rest_volumes_[element];
-  const double kept = volume >= kThinVolume * rest ? 0 : volume >= kMinVolume * rest ? 0.5 : 1;
+  const double least = round < kBaseRounds ? 1 : 1 - kBentLoss;
+  const double kept = volume >= kThinVolume * rest ? 0 : volume >= kMinVolume * rest ? 0.5 : least;
   const double before = element_volume(corners, step.positions);
   return before > 0 && volume < kept * before && origin.cwiseAbs().maxCoeff() * kRounding < std::cbrt(rest);
 }
 
-void StepGate::find_collapsing_elements(const Step& step, std::span<const StepVertex> vertices) {
+void StepGate::find_collapsing_elements(int round, const Step& step, std::span<const StepVertex> vertices) {
   parallel_ranges(std::ssize(batches_), kGrain / kThinBatch, [&](std::int64_t first, std::int64_t last) {
     SELVAGE_DISPATCH(find_thin_batches, vertices.front().position, batches_.data(), first, last, is_thin_.data());
   });
@@ -114,7 +122,7 @@ void StepGate::find_collapsing_elements(const Step& step, std::span<const StepVe
     if (!is_thin_[n]) continue;
     const auto end = std::min<std::size_t>((n + 1) * kThinBatch, model_.mesh.element_count());
     for (std::size_t e = n * kThinBatch; e < end; ++e)
-      if (is_collapsing(static_cast<Index>(e), step, vertices) && !is_in_fold(static_cast<Index>(e)))
+      if (is_collapsing(static_cast<Index>(e), round, step, vertices) && !is_in_fold(static_cast<Index>(e)))
         collapsing_.push_back(static_cast<Index>(e));
   }
 }
@@ -265,17 +273,25 @@ bool StepGate::move_zones(int round, bool may_bend, const Step& step, const Carr
     const Index root = root_of(touch.vertices[0]);
     if (shares_[root] != kStandsAlways) zones[root].add(touch);
   }
+  const double part_out = kPartOut * std::pow(kLaterPartOut, std::min(round, kScaledRounds));
   bool any_moved = false;
-  for (const auto& [root, zone] : zones) {
+  for (auto& [root, zone] : zones) {
     const double share_of_root = shares_[root], share = std::max(share_of_root, 0.0);
     const ZoneBase base = share_of_root >= 0         ? ZoneBase::kRigid
                           : share_of_root == kDrifts ? ZoneBase::kDrifts
                                                      : ZoneBase::kStands;
-    // What still meets in late rounds does so however little carriers move apart.
-    const bool bends = may_bend && zone.is_torn(step, carriers, round < kBaseRounds ? 1 : 0);
-    is_any_torn_ |= bends;
-    const auto ways =
-        bends ? zone.bent_ways(model_, step, carriers) : zone.base_ways(model_, step, carriers, targets_, base);
+    const auto find_ways = [&, &held = zone] {
+      // What still meets in late rounds does so however little carriers move apart.
+      const bool bends = may_bend && held.is_torn(step, carriers, round < kBaseRounds ? 1 : 0);
+      is_any_torn_ |= bends;
+      return bends ? held.bent_ways(model_, step, carriers) : held.base_ways(model_, step, carriers, targets_, base);
+    };
+    auto ways = find_ways();
+    for (const Index v : zone.vertices) ways_out_[v].setZero();
+    if (base != ZoneBase::kStands && zone.lead_out(carriers, step, part_out)) {
+      const auto carried = std::exchange(ways, find_ways());
+      for (std::size_t i = 0; i < ways.size(); ++i) ways_out_[zone.vertices[i]] = ways[i] - carried[i];
+    }
     for (std::size_t i = 0; i < ways.size(); ++i) {
       const Index v = zone.vertices[i];
       if (!(vertices[v].inverse_mass > 0)) continue;
@@ -359,7 +375,7 @@ GateStatistics StepGate::hold_back(ContactFinder& finder, const Step& step, cons
         any_moved = move_zones(round, may_bend, step, carriers, vertices);
       if (!any_moved) break;
     }
-    find_collapsing_elements(step, vertices);
+    find_collapsing_elements(round, step, vertices);
     find_entries(step, carriers, vertices);
     are_impacts_known = !any_moved || !is_round_crushed();
     impacts_ = {};

@@ -35,6 +35,7 @@ struct ZoneLink {
 /// A key-framed collider carries a zone by the rigid motion nearest to that of its surface around; in the last rounds
 /// each vertex by that of the place nearest to it. What several carriers with different motions touch is bent between
 /// them.
+/// A zone that started the step inside a collider comes out of it as a whole, unless that makes something meet.
 /// Zones that meet others are merged. In later rounds the base motion is the shift alone that keeps the zone's
 /// momentum, in the last ones none, or that of what carries the zone; the rounds end when nothing meets, or a round
 /// changes nothing. They do end: zones only grow, and there are only so many.
@@ -62,16 +63,20 @@ class StepGate {
   /// @param impacts_known  nothing meets: that has been asked since the vertices were last moved
   bool is_violated(ContactFinder& finder, const Step& step, std::span<const StepVertex> vertices, bool impacts_known);
 
-  /// Moves vertices until is_violated() no longer holds, after it held.
+  /// Moves vertices until is_violated() no longer holds, after it held; but elements that are almost flat may lose a
+  /// tenth of their volume where no motion of their zone spares them.
   GateStatistics hold_back(ContactFinder& finder, const Step& step, const Carriers& carriers,
                            std::span<StepVertex> vertices);
 
   /// By the last is_violated() and hold_back(): what has moved together.
   std::span<const ZoneLink> links() const { return links_; }
 
+  /// Likewise by how far a vertex has moved for its zone to leave a collider, which gives it no speed [m].
+  const Vec3& way_out_of(Index vertex) const { return ways_out_[vertex]; }
+
  private:
-  bool is_collapsing(Index element, const Step& step, std::span<const StepVertex> vertices) const;
-  void find_collapsing_elements(const Step& step, std::span<const StepVertex> vertices);
+  bool is_collapsing(Index element, int round, const Step& step, std::span<const StepVertex> vertices) const;
+  void find_collapsing_elements(int round, const Step& step, std::span<const StepVertex> vertices);
   bool is_in_fold(Index element) const;
   void let_folds_invert(std::span<const Index> folded_vertices);
   void find_impacts(ContactFinder& finder, std::span<const StepVertex> vertices);
@@ -109,6 +114,7 @@ class StepGate {
   std::vector<double> shares_;      ///< (n_vertices) of a root: the part of its zone's relative motion that is kept;
                                     ///< kDrifts, kStands: as ZoneBase; kStandsAlways: nothing carries it
   std::vector<double> times_;       ///< (n_vertices) of a root: the first impact in this round; 1: none
+  std::vector<Vec3> ways_out_;      ///< (n_vertices) see way_out_of()
   std::vector<Index> members_;      ///< vertices in zones
   std::vector<ZoneTouch> touches_;  ///< of zones by what carries them
   bool is_any_torn_ = false;        ///< a zone has been bent in this step

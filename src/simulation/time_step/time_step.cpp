@@ -368,7 +368,8 @@ void TimeStep::finish(State& state) {
     const auto v = static_cast<Index>(i);
     const Vec3 moved = position(v) - state.positions[v];
     const Vec3 drawn = draw_off_.way_of(v);
-    state.velocities[v] = (moved - drawn - depenetration_of(v, moved)) / options_.time_step;
+    const Vec3 led = gate_ ? gate_->way_out_of(v) : Vec3::Zero();
+    state.velocities[v] = (moved - drawn - (led.isZero(0) ? depenetration_of(v, moved) : led)) / options_.time_step;
     state.positions[v] = position(v);
   });
   restore_free_momentum(state);
