@@ -63,38 +63,30 @@ void GateZone::add(const ZoneTouch& touch) {
   if (carrier_ == kNone || touch.carrier < carrier_) carrier_ = touch.carrier;
 }
 
-bool GateZone::lead_out(const Carriers& carriers, const Step& step, double part) {
-  struct WayOut {
-    Vec3 way = Vec3::Zero();
-    bool is_split = false;
-  };
-  std::map<Index, WayOut> ways;
-  const auto visit_deep = [&](auto&& visit) {
-    for (const ZoneTouch& touch : touches_) {
-      const Index collider = touch.carrier - carriers.of_collider(0);
-      if (touch.count > 1 || collider < 0) continue;
-      const ColliderContactState& state = carriers.states[touch.vertices[0] * carriers.colliders.size() + collider];
-      if (state.acts(step) && !state.waits && state.start_depth > 0) visit(ways[touch.carrier], state);
-    }
-  };
-  visit_deep([&](WayOut& out, const ColliderContactState& state) {
-    const double way = part * (state.start_depth - state.depth_left);
-    if (way > out.way.norm()) out.way = way * state.way_out;
+Vec3 GateZone::way_out(const Step& step, const Carriers& carriers) const {
+  const Index collider = carrier_ == kNone ? kNone : carrier_ - carriers.of_collider(0);
+  if (collider < 0) return Vec3::Zero();
+  std::vector<Vec3> ways;
+  for (const ZoneTouch& touch : touches_) {
+    if (touch.carrier != carrier_) return Vec3::Zero();
+    if (touch.count > 1) continue;
+    const ColliderContactState& state = carriers.states[touch.vertices[0] * carriers.colliders.size() + collider];
+    if (state.acts(step) && !state.waits && state.start_depth > 0)
+      ways.push_back((state.start_depth - state.depth_left) * state.way_out);
+  }
+  Vec3 longest = Vec3::Zero();
+  for (const Vec3& way : ways)
+    if (way.norm() > longest.norm()) longest = way;
+  const bool is_split = std::any_of(ways.begin(), ways.end(), [&](const Vec3& way) {
+    return way.dot(longest) < kOneSided * way.norm() * longest.norm();
   });
-  visit_deep([](WayOut& out, const ColliderContactState& state) {
-    out.is_split |= state.way_out.dot(out.way) < kOneSided * out.way.norm();
-  });
-  std::erase_if(ways, [](const auto& entry) { return entry.second.is_split; });
-  for (ZoneTouch& touch : touches_)
-    if (const auto out = ways.find(touch.carrier); out != ways.end()) touch.way += out->second.way;
-  if (const auto out = ways.find(carrier_); out != ways.end()) way_out_ = out->second.way;
-  return !ways.empty();
+  return is_split ? Vec3(Vec3::Zero()) : longest;
 }
 
 bool GateZone::is_torn(const Step& step, const Carriers& carriers, double least) const {
   return std::any_of(touches_.begin(), touches_.end(), [&](const ZoneTouch& touch) {
     if (touch.carrier == carrier_) return false;
-    const Vec3 apart = touch.way - carriers.way(carrier_, step, touch.point) - way_out_;
+    const Vec3 apart = touch.way - carriers.way(carrier_, step, touch.point);
     return apart.norm() > least * kContactGap * carriers.max_corrections[touch.vertices[0]];
   });
 }
@@ -205,7 +197,7 @@ std::vector<Vec3> GateZone::base_ways(const Model& model, const Step& step, cons
   RigidMotion motion;
   if (carrier_ != kNone && carriers.keyframed(carrier_) != nullptr) {
     if (base != ZoneBase::kRigid) {
-      for (const Index v : vertices) ways.push_back(carried(v) + way_out_);
+      for (const Index v : vertices) ways.push_back(carried(v));
       return ways;
     }
     motion = rigid_motion(
@@ -218,7 +210,7 @@ std::vector<Vec3> GateZone::base_ways(const Model& model, const Step& step, cons
         [&](Index v) { return Vec3(targets[v] - step.positions[v]); });
     if (base == ZoneBase::kDrifts) motion.linear.setZero();
   }
-  for (const Index v : vertices) ways.push_back(motion(step.positions[v]) + way_out_);
+  for (const Index v : vertices) ways.push_back(motion(step.positions[v]));
   return ways;
 }
 

@@ -60,12 +60,10 @@ class GateZone {
 
   void add(const ZoneTouch& touch);
 
-  /// Lets what touches a collider and started the step inside leave it, all of the zone by the same way: held at the
-  /// place where they are, vertices would stay inside for ever. Where ways out lead to several sides nothing is
-  /// changed. To be called after all touches are added.
-  /// @param part  of the way by which contacts would let the deepest out in the step
-  /// @return      whether any leaves
-  bool lead_out(const Carriers& carriers, const Step& step, double part);
+  /// By how far a zone that nothing touches but one collider, and that started the step inside, has to go to leave it
+  /// [m]: as contacts would let out its deepest vertex in the step. Held at the place where they are, its vertices
+  /// would stay inside for ever. Where ways out lead to several sides there is none.
+  Vec3 way_out(const Step& step, const Carriers& carriers) const;
 
   /// Whether carriers move apart where the zone touches them.
   /// @param least  by more than this part of a contact's gap
@@ -93,8 +91,7 @@ class GateZone {
   std::vector<Leader> leaders() const;
   std::vector<Vec3> led_ways(const Step& step, const Carriers& carriers) const;
 
-  Index carrier_ = kNone;        ///< the least
-  Vec3 way_out_ = Vec3::Zero();  ///< of that [m]
+  Index carrier_ = kNone;  ///< the least
   std::vector<ZoneTouch> touches_;
 };
 

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <utility>
 
 namespace selvage {
 
@@ -273,29 +272,24 @@ bool StepGate::move_zones(int round, bool may_bend, const Step& step, const Carr
     const Index root = root_of(touch.vertices[0]);
     if (shares_[root] != kStandsAlways) zones[root].add(touch);
   }
-  const double part_out = kPartOut * std::pow(kLaterPartOut, std::min(round, kScaledRounds));
+  const double part_out = is_crushed_ ? 0 : kPartOut * std::pow(kLaterPartOut, std::min(round, kScaledRounds));
   bool any_moved = false;
-  for (auto& [root, zone] : zones) {
+  for (const auto& [root, zone] : zones) {
     const double share_of_root = shares_[root], share = std::max(share_of_root, 0.0);
     const ZoneBase base = share_of_root >= 0         ? ZoneBase::kRigid
                           : share_of_root == kDrifts ? ZoneBase::kDrifts
                                                      : ZoneBase::kStands;
-    const auto find_ways = [&, &held = zone] {
-      // What still meets in late rounds does so however little carriers move apart.
-      const bool bends = may_bend && held.is_torn(step, carriers, round < kBaseRounds ? 1 : 0);
-      is_any_torn_ |= bends;
-      return bends ? held.bent_ways(model_, step, carriers) : held.base_ways(model_, step, carriers, targets_, base);
-    };
-    auto ways = find_ways();
-    for (const Index v : zone.vertices) ways_out_[v].setZero();
-    if (base != ZoneBase::kStands && zone.lead_out(carriers, step, part_out)) {
-      const auto carried = std::exchange(ways, find_ways());
-      for (std::size_t i = 0; i < ways.size(); ++i) ways_out_[zone.vertices[i]] = ways[i] - carried[i];
-    }
+    // What still meets in late rounds does so however little carriers move apart.
+    const bool bends = may_bend && zone.is_torn(step, carriers, round < kBaseRounds ? 1 : 0);
+    is_any_torn_ |= bends;
+    const auto ways =
+        bends ? zone.bent_ways(model_, step, carriers) : zone.base_ways(model_, step, carriers, targets_, base);
+    const Vec3 out = base == ZoneBase::kStands ? Vec3(Vec3::Zero()) : Vec3(part_out * zone.way_out(step, carriers));
     for (std::size_t i = 0; i < ways.size(); ++i) {
       const Index v = zone.vertices[i];
       if (!(vertices[v].inverse_mass > 0)) continue;
-      const Vec3 from = step.positions[v] + ways[i];
+      ways_out_[v] = out;
+      const Vec3 from = step.positions[v] + ways[i] + out;
       const Vec3 to = from + share * (targets_[v] - from);
       any_moved |= position(vertices[v]) != to;
       for (int k = 0; k < 3; ++k) vertices[v].position[k] = to[k];
@@ -352,7 +346,7 @@ void StepGate::report_left(const TriangleMesh& surface, GateStatistics& statisti
   }
 }
 
-GateStatistics StepGate::hold_back(ContactFinder& finder, const Step& step, const Carriers& carriers,
+GateStatistics StepGate::hold_back(ContactFinder& finder, const Step& step, const Carriers& carriers, bool is_crushed,
                                    std::span<StepVertex> vertices) {
   GateStatistics statistics;
   statistics.impacts_met = std::ssize(impacts_.pairs.vertex_face) + std::ssize(impacts_.pairs.edge_edge);
@@ -361,7 +355,8 @@ GateStatistics StepGate::hold_back(ContactFinder& finder, const Step& step, cons
   parallel_for(std::ssize(vertices), kGrain, [&](std::int64_t v) { targets_[v] = position(vertices[v]); });
   bool are_impacts_known = true;
   is_any_torn_ = false;
-  for (bool may_bend = true; has_violations(); ++statistics.rounds) {
+  is_crushed_ = is_crushed;
+  for (bool may_bend = !is_crushed; has_violations(); ++statistics.rounds) {
     const auto round = static_cast<int>(statistics.rounds);
     join_violations(finder.surface(), step, carriers, vertices);
     scale_zones(round);

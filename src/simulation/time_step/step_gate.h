@@ -65,7 +65,8 @@ class StepGate {
 
   /// Moves vertices until is_violated() no longer holds, after it held; but elements that are almost flat may lose a
   /// tenth of their volume where no motion of their zone spares them.
-  GateStatistics hold_back(ContactFinder& finder, const Step& step, const Carriers& carriers,
+  /// @param is_crushed  is_crushed() of the vertices that started the step inside: zones are not bent, nor led out
+  GateStatistics hold_back(ContactFinder& finder, const Step& step, const Carriers& carriers, bool is_crushed,
                            std::span<StepVertex> vertices);
 
   /// By the last is_violated() and hold_back(): what has moved together.
@@ -118,6 +119,7 @@ class StepGate {
   std::vector<Index> members_;      ///< vertices in zones
   std::vector<ZoneTouch> touches_;  ///< of zones by what carries them
   bool is_any_torn_ = false;        ///< a zone has been bent in this step
+  bool is_crushed_ = false;         ///< see hold_back()
   std::vector<ZoneLink> links_;
 };
 

@@ -299,7 +299,8 @@ void TimeStep::hold_back() {
   if (!gate_) return;
   timed(statistics_.seconds_hold_back, [&] {
     if (!gate_->is_violated(*contact_finder_, step_, vertices_, no_impacts_)) return;
-    const GateStatistics held = gate_->hold_back(*contact_finder_, step_, carriers(), vertices_);
+    const bool is_crushed = gate_->is_crushed(collider_contacts_.started_inside);
+    const GateStatistics held = gate_->hold_back(*contact_finder_, step_, carriers(), is_crushed, vertices_);
     statistics_.hold_back_rounds = held.rounds;
     statistics_.held_back_vertices = held.held_back_vertices;
     statistics_.impacts_met = held.impacts_met;

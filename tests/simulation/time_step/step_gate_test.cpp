@@ -50,7 +50,7 @@ struct Attempt {
     const std::vector<Vec3> still(start.size(), Vec3::Zero());
     const Step step{1, 0, 1.0 / 300, start, still};
     if (!gate.is_violated(finder, step, end, false)) return {};
-    const GateStatistics statistics = gate.hold_back(finder, step, carriers, end);
+    const GateStatistics statistics = gate.hold_back(finder, step, carriers, false, end);
     const bool is_left = gate.is_violated(finder, step, end, false);
     EXPECT_TRUE(is_left == (statistics.impacts_left > 0) || may_be_pressed);
     return statistics;
