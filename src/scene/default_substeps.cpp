@@ -60,9 +60,9 @@ std::vector<Block> blocks_of(const Model& model) {
   return blocks;
 }
 
-/// Steps in which each block carries the densest other, as large as itself, by the stiffness of its material. In fewer
-/// it gives way like a softer one: by the pressure over the density, the square of an edge and of the number of steps.
-/// So towers lean, and fall. Measured on these: see docs/notes/simulation.md.
+/// Steps in which each block carries the densest other, or whatever is much denser than itself, of its own size, by the
+/// stiffness of its material. In fewer it gives way like a softer one: by the pressure over the density, the square of an
+/// edge and of the number of steps. So towers lean, and fall. Measured on these: see docs/notes/simulation.md.
 double substeps_for_blocks(const Model& model, double gravity, double frame_length) {
   constexpr double kSameDensities = 5, kSubstepsThen = 8.5, kExponent = 0.7;
   constexpr double kEdgesAcross = 3.3, kSize = 0.4, kGravity = 9.81, kFrameLength = 1.0 / 60;  // of the towers
@@ -72,9 +72,13 @@ double substeps_for_blocks(const Model& model, double gravity, double frame_leng
     densest[1] = std::max(densest[1], std::min(block.density, densest[0]));
     densest[0] = std::max(densest[0], block.density);
   }
+  double densest_of_all = 0;
+  for (const Body& body : model.bodies)
+    if (!body.is_cloth()) densest_of_all = std::max(densest_of_all, body.material.density);
   double steps = 0;
   for (const Block& block : blocks) {
-    const double other = block.density < densest[0] ? densest[0] : densest[1];
+    double other = block.density < densest[0] ? densest[0] : densest[1];
+    if (densest_of_all > kSameDensities * block.density) other = densest_of_all;
     steps = std::max(steps, kSubstepsThen * std::pow(other / block.density / kSameDensities, kExponent) *
                                 (block.edges_across / kEdgesAcross) *
                                 std::sqrt(gravity / kGravity * kSize / block.size) * (frame_length / kFrameLength));

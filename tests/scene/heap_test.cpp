@@ -90,12 +90,27 @@ std::string tower(double top_density, const std::string& more) {
                      top_density, more);
 }
 
-/// Height of the uppermost vertex after two seconds.
-double height_of(const std::string& text) {
+/// A plate of 324 kg on four legs of 64 g.
+std::string table(const std::string& more) {
+  return R"({"selvage_scene": 1, "materials": {
+      "foam": {"youngs_modulus": 1e6, "poisson_ratio": 0.4, "density": 4},
+      "stone": {"youngs_modulus": 1e6, "poisson_ratio": 0.4, "density": 2000}},
+    "bodies": [
+      {"mesh": {"shape": "box", "size": [0.2, 0.2, 0.4], "cell": 0.1}, "material": "foam",
+       "instances": {"list": [{"translate": [-0.4, -0.4, 0.001]}, {"translate": [0.2, -0.4, 0.001]},
+                              {"translate": [-0.4, 0.2, 0.001]}, {"translate": [0.2, 0.2, 0.001]}]}},
+      {"mesh": {"shape": "box", "size": [0.9, 0.9, 0.2], "cell": 0.1}, "translate": [-0.45, -0.45, 0.403],
+       "material": "stone"}],
+    "colliders": [{"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}])" +
+         more + "}";
+}
+
+/// Height of the uppermost vertex after so many frames, 60 a second.
+double height_of(const std::string& text, int frames = 120) {
   const Scene scene = parse_scene(text, "tower.json");
   State state = scene.initial_state;
   XpbdSolver solver(scene.model, state, scene.handles, scene.colliders, scene.options);
-  for (int i = 0; i < 120 * scene.substeps; ++i) solver.step(state);
+  for (int i = 0; i < frames * scene.substeps; ++i) solver.step(state);
   double height = 0;
   for (const Vec3& p : state.positions) height = std::max(height, p[2]);
   return height;
@@ -106,6 +121,11 @@ TEST(Heaps, TowersStandWithDefaultSettings) {
   EXPECT_GT(height_of(tower(5000, "")), 0.115);
   // As soft as these steps make it, one falls.
   EXPECT_LT(height_of(tower(1000, R"(, "substeps": 5)")), 0.08);
+}
+
+TEST(Heaps, AHeavyPlateStandsOnLightLegsWithDefaultSettings) {
+  EXPECT_GT(height_of(table(""), 30), 0.58);
+  EXPECT_LT(height_of(table(R"(, "substeps": 25)"), 30), 0.5);
 }
 
 }  // namespace
