@@ -6,6 +6,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <set>
+#include <span>
+#include <utility>
 
 namespace selvage {
 
@@ -46,9 +49,8 @@ struct Block {
   double density;
 };
 
-std::vector<Block> blocks_of(const Model& model) {
+std::vector<Block> blocks_of(const Model& model, std::span<const double> areas) {
   constexpr double kLeastCompact = 0.3;  // 1 of balls, 0.52 of cubes, 0.33 of bricks
-  const std::vector<double> areas = areas_of(model);
   std::vector<Block> blocks;
   for (std::size_t b = 0; b < areas.size(); ++b) {
     const Body& body = model.bodies[b];
@@ -60,25 +62,29 @@ std::vector<Block> blocks_of(const Model& model) {
   return blocks;
 }
 
-/// Steps in which each block carries the densest other, or whatever is much denser than itself, of its own size, by the
-/// stiffness of its material. In fewer it gives way like a softer one: by the pressure over the density, the square of an
-/// edge and of the number of steps. So towers lean, and fall. Measured on these: see docs/notes/simulation.md.
+/// Steps in which each block carries the densest other of its own size, or a slice of whatever is much denser, by the
+/// stiffness of its material. In fewer it gives way like a softer one: by the pressure over the density, the square of
+/// an edge and of the number of steps. So towers lean, and fall. Measured on these: see docs/notes/simulation.md.
 double substeps_for_blocks(const Model& model, double gravity, double frame_length) {
   constexpr double kSameDensities = 5, kSubstepsThen = 8.5, kExponent = 0.7;
   constexpr double kEdgesAcross = 3.3, kSize = 0.4, kGravity = 9.81, kFrameLength = 1.0 / 60;  // of the towers
-  const std::vector<Block> blocks = blocks_of(model);
+  const std::vector<double> areas = areas_of(model);
+  const std::vector<Block> blocks = blocks_of(model, areas);
   std::array<double, 2> densest{};  // the most first
   for (const Block& block : blocks) {
     densest[1] = std::max(densest[1], std::min(block.density, densest[0]));
     densest[0] = std::max(densest[0], block.density);
   }
-  double densest_of_all = 0;
-  for (const Body& body : model.bodies)
-    if (!body.is_cloth()) densest_of_all = std::max(densest_of_all, body.material.density);
+  std::set<std::pair<double, double>> loads;  // densities, and thicknesses [m]: of cubes their edges, of plates thrice
+  for (std::size_t b = 0; b < areas.size(); ++b)
+    if (const Body& body = model.bodies[b]; !body.is_cloth())
+      loads.insert({body.material.density, 6 * volume_of(body, model) / areas[b]});
   double steps = 0;
   for (const Block& block : blocks) {
     double other = block.density < densest[0] ? densest[0] : densest[1];
-    if (densest_of_all > kSameDensities * block.density) other = densest_of_all;
+    for (const auto& [density, thickness] : loads)
+      if (const double load = density * std::min(1.0, thickness / block.size); load > kSameDensities * block.density)
+        other = std::max(other, load);
     steps = std::max(steps, kSubstepsThen * std::pow(other / block.density / kSameDensities, kExponent) *
                                 (block.edges_across / kEdgesAcross) *
                                 std::sqrt(gravity / kGravity * kSize / block.size) * (frame_length / kFrameLength));
