@@ -124,8 +124,8 @@ struct MovingCollider {
     if (hit && hit->depth > depth_left) position(vertex) = end(p + (hit->depth - depth_left) * hit->normal);
   }
 
-  /// Whether a vertex is inside at the end of the step, or has passed, by more than a depth and more than it was. What a
-  /// collider carries along is as deep but for rounding.
+  /// Whether a vertex is inside at the end of the step, or has passed, by more than a depth and more than it was. What
+  /// a collider carries along is as deep but for rounding.
   bool is_entered(const Step& step, Index v, double least_depth, const StepVertex& vertex) const {
     if (is_far(step, v, 0, vertex)) return false;
     return std::visit(
