@@ -1,5 +1,6 @@
 #pragma once
 
+#include "elasticity/simplex_element.h"
 #include "elasticity/stencil.h"
 
 namespace selvage {
