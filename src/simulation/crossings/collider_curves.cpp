@@ -1,5 +1,7 @@
 #include "simulation/crossings/collider_curves.h"
 
+#include "simulation/colliders/prepared_collider.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
