@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace selvage {
 namespace {
 
@@ -72,6 +74,23 @@ TEST(GateZone, StaysWhereItOnlyTouchesOrIsHeldElsewhereToo) {
   for (ColliderContactState& state : above.states) state.step = 0;
   above.touch();
   EXPECT_EQ(above.zone.way_out(above.step, above.carriers), Vec3::Zero());
+}
+
+/// A vertex deep in a floor that stands enters it as soon as it gets deeper, however little: else it would creep in.
+TEST(ColliderEntries, AreOfWhatGetsDeeperAndNotOfWhatStaysAsDeep) {
+  const OnAFloor box;
+  const auto deep =
+      std::find_if(box.step.positions.begin(), box.step.positions.end(), [](const Vec3& p) { return p[2] == -0.1; });
+  const std::array vertices{static_cast<Index>(deep - box.step.positions.begin())};
+  const auto entries = [&](double deeper) {
+    std::vector<StepVertex> end(box.states.size(), StepVertex{{0, 0, 1}, 1});
+    const Vec3& p = box.step.positions[vertices[0]];
+    end[vertices[0]] = {{p[0], p[1], p[2] - deeper}, 1};
+    return find_entries(box.colliders, box.step, box.corrections, box.states, vertices, end).size();
+  };
+  EXPECT_EQ(entries(0.1 * kContactGap * box.corrections[vertices[0]]), 1u);
+  EXPECT_EQ(entries(0), 0u);
+  EXPECT_EQ(entries(-0.01), 0u);
 }
 
 /// Between two plates that close in everything goes with them in proportion, so that nothing meets however near it is.
