@@ -144,12 +144,16 @@ A box falls onto another one, and the step would end with a part of it inside.
                   "edges: bool = True, interior_points: bool = False, wait_for_inverted: bool = False) -> None"))
       .def(
           "begin_step",
-          [](StepContacts& self, nb::object v) {
+          [](StepContacts& self, nb::object v, std::int64_t step) {
             const Rows<Vec3> x(v, "V");
-            without_interpreter([&] { self.finder->begin_step(x.span()); });
+            without_interpreter([&] { self.finder->begin_step(x.span(), step); });
           },
-          nb::arg("V").none(), nb::sig("def begin_step(self, V: ArrayLike) -> None"),
-          "Start of a step from positions (n, 3) [m]: splits vertices and edges into penetrating and free ones.")
+          nb::arg("V").none(), nb::arg("step") = 0,
+          nb::sig("def begin_step(self, V: ArrayLike, step: int = 0) -> None"),
+          R"(Start of a step from positions (n, 3) [m]: splits vertices and edges into penetrating and free ones.
+
+`step` is its number: by DCD alone, where a connected piece has vertices inside itself, its edges inside itself have no
+contacts in the last 8 of 64 steps, as contacts of edges and of vertices may hold a fold for ever.)")
       .def(
           "find_contacts",
           [](StepContacts& self, nb::object v) {

@@ -13,6 +13,13 @@
 
 namespace selvage {
 
+namespace {
+
+/// Steps after which edges in their own piece rest, and for how many.
+constexpr std::int64_t kEdgesRestEvery = 64, kEdgesRestFor = 8;
+
+}  // namespace
+
 ContactFinder::Impl::Impl(const TetMesh& m, std::span<const Vec3> rest_positions, std::span<const Vec3> positions,
                           std::span<const Index> vertex_objects, ContactOptions o,
                           std::span<const VertexTuple<3>> colliders, ContactCloth cloth)
@@ -40,7 +47,7 @@ ContactFinder::Impl::Impl(const TetMesh& m, std::span<const Vec3> rest_positions
     common.emplace(mesh);
     if (!colliders.empty() && !rest_positions.empty()) off.emplace(mesh, rest_positions, surface, body_faces);
   }
-  if (options.splits() && options.wait_for_inverted) pieces = mesh.element_components();
+  if (is_dcd_alone() || (options.splits() && options.wait_for_inverted)) pieces = mesh.element_components();
   if (std::any_of(cloth.thickness.begin(), cloth.thickness.end(), [](double t) { return t > 0; }) && uses_ccd()) {
     check_positions<3>(rest_positions, mesh.vertex_count(), "rest_positions");
     std::vector<double> thickness(cloth.thickness.begin(), cloth.thickness.end());
@@ -50,10 +57,11 @@ ContactFinder::Impl::Impl(const TetMesh& m, std::span<const Vec3> rest_positions
   }
 }
 
-void ContactFinder::Impl::begin_step(std::span<const Vec3> positions) {
+void ContactFinder::Impl::begin_step(std::span<const Vec3> positions, std::int64_t step) {
   check_positions<3>(positions, vertex_count());
   statistics = {};
   has_begun = true;
+  own_edges_rest = is_dcd_alone() && step % kEdgesRestEvery >= kEdgesRestEvery - kEdgesRestFor;
   folded_vertices.clear();
   if (off) off->begin_step();
   positions_t0.assign(positions.begin(), positions.end());
@@ -189,8 +197,8 @@ ContactFinder::~ContactFinder() = default;
 ContactFinder::ContactFinder(ContactFinder&&) noexcept = default;
 ContactFinder& ContactFinder::operator=(ContactFinder&&) noexcept = default;
 
-void ContactFinder::begin_step(std::span<const Vec3> positions_t0) {
-  impl_->begin_step(positions_t0);
+void ContactFinder::begin_step(std::span<const Vec3> positions_t0, std::int64_t step) {
+  impl_->begin_step(positions_t0, step);
 }
 
 std::vector<PieceWayOff> ContactFinder::choose_ways_off(const std::function<bool(Index, const Vec3&)>& is_blocked) {

@@ -40,7 +40,8 @@ struct ContactFinder::Impl {
   std::vector<Index> folded_vertices;  ///< by the last find_contacts() of the step
   TangledVertices tangled;             ///< at the start of the step; none but for kHybrid
   InvertedVertices inverted;           ///< at the start of the step
-  std::vector<Index> pieces;           ///< connected component of each element; where whole tangles wait
+  std::vector<Index> pieces;    ///< connected component of each element; where whole tangles wait, or DCD is alone
+  bool own_edges_rest = false;  ///< in this step: edges inside their own piece
   ContactStatistics statistics;
   bool has_begun = false;  ///< any step
 
@@ -63,7 +64,9 @@ struct ContactFinder::Impl {
     return options.mode != DetectionMode::kOff && (options.interior_points || options.mode != DetectionMode::kCcd);
   }
 
-  void begin_step(std::span<const Vec3> positions);
+  bool is_dcd_alone() const { return uses_dcd() && !options.splits(); }
+
+  void begin_step(std::span<const Vec3> positions, std::int64_t step);
   void split_features();
   void find_contacts(std::span<const Vec3> positions, std::vector<Contact>& contacts);
   std::vector<PenetratingPoint> find_boundary_points(std::span<const Vec3> positions);
@@ -72,6 +75,7 @@ struct ContactFinder::Impl {
   std::vector<BoundaryPath<3>> find_ways_out(std::span<const PenetratingPoint> points, std::span<const Vec3> positions);
   std::vector<PieceWayOff> choose_ways_off(const std::function<bool(Index, const Vec3&)>& is_blocked);
   void append_paths(std::span<const Vec3> positions, std::vector<Contact>& contacts);
+  void leave_out_own_edges(std::vector<PenetratingPoint>& points) const;
   std::vector<std::uint8_t> leave_out_waiting(std::vector<PenetratingPoint>& points);
   void append_ways_out(std::span<const Vec3> positions, std::vector<PenetratingPoint>& points,
                        std::vector<Contact>& contacts);

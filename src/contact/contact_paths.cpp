@@ -84,6 +84,7 @@ void ContactFinder::Impl::append_paths(std::span<const Vec3> positions, std::vec
   std::vector<PenetratingPoint> points;
   timed(statistics.seconds_dcd, [&] {
     points = find_boundary_points(positions);
+    if (own_edges_rest) leave_out_own_edges(points);
     if (options.interior_points) append_interior_points(positions, points);
   });
   if (points.empty()) return;
@@ -95,11 +96,28 @@ void ContactFinder::Impl::append_paths(std::span<const Vec3> positions, std::vec
   timed(statistics.seconds_paths, [&] { append_ways_out(positions, points, contacts); });
 }
 
+/// Removes edges inside their own connected piece, where a vertex of it is inside it, too.
+void ContactFinder::Impl::leave_out_own_edges(std::vector<PenetratingPoint>& points) const {
+  const auto own_piece = [&](const PenetratingPoint& p) {
+    if (is_of_collider(p.vertices[0]) || mesh.vertex_elements(p.vertices[0]).empty()) return kNone;
+    const Index piece = pieces[mesh.vertex_elements(p.vertices[0]).front()];
+    return piece == pieces[p.query.element] ? piece : kNone;
+  };
+  std::vector<std::uint8_t> is_folded(pieces.size(), 0);  // more than there are pieces
+  for (const PenetratingPoint& p : points)
+    if (const Index piece = own_piece(p); piece != kNone && p.kind == ContactKind::kVertexPath) is_folded[piece] = 1;
+  std::erase_if(points, [&](const PenetratingPoint& p) {
+    const Index piece = own_piece(p);
+    return piece != kNone && p.kind == ContactKind::kEdgePath && is_folded[piece] != 0;
+  });
+}
+
 /// Removes the points of tangles that have a vertex of an inverted element. They need no query for a way out.
 std::vector<std::uint8_t> ContactFinder::Impl::leave_out_waiting(std::vector<PenetratingPoint>& points) {
   std::vector<std::uint8_t> waits(1, 0);
   if (inverted.empty()) return waits;
-  waits.assign(number_tangles(mesh, pieces, points), 0);
+  waits.assign(
+      number_tangles(mesh, options.splits() ? std::span<const Index>(pieces) : std::span<const Index>(), points), 0);
   for (const PenetratingPoint& p : points)
     if (inverted.has_any(std::span(p.vertices).first(p.count), p.weights)) waits[p.tangle] = 1;
   statistics.waiting_points += std::erase_if(points, [&](const PenetratingPoint& p) { return waits[p.tangle] != 0; });

@@ -118,6 +118,12 @@ TEST(ContactFinder, TheHybridAsksWhatWasInsideForAFreshWayOut) {
   EXPECT_TRUE(finder.penetrating_vertices().empty());
 }
 
+Solid with_positive_elements(Solid solid) {
+  for (auto& element : solid.elements)
+    if (orientation(corners_of(element, solid.positions)) < 0) std::swap(element[0], element[1]);
+  return solid;
+}
+
 /// Two tetrahedra, each with an edge that cuts into the other; no vertex is inside.
 Solid crossing_edges(double depth) {
   const Vec3 down{0, 0, -depth};
@@ -127,9 +133,7 @@ Solid crossing_edges(double depth) {
 }
 
 TEST(ContactFinder, AnEdgeThroughAnElementHasItsMiddleSentOut) {
-  Solid solid = crossing_edges(0.25);
-  for (auto& element : solid.elements)
-    if (orientation(corners_of(element, solid.positions)) < 0) std::swap(element[0], element[1]);
+  const Solid solid = with_positive_elements(crossing_edges(0.25));
   const TetMesh mesh = solid.mesh();
   ContactFinder finder(mesh, {}, solid.positions, {}, in_mode(DetectionMode::kDcd));
   const auto contacts = contacts_of_step(finder, solid.positions, solid.positions);
@@ -146,6 +150,54 @@ TEST(ContactFinder, AnEdgeThroughAnElementHasItsMiddleSentOut) {
   ContactOptions no_edges = in_mode(DetectionMode::kDcd);
   no_edges.detect_edges = false;
   EXPECT_TRUE(contacts_of_step(solid, solid.positions, no_edges).empty());
+}
+
+/// Edge and vertex contacts by DCD alone where nothing moves, in a step of that number.
+std::array<std::int64_t, 2> count_ways_out(const Solid& solid, ContactOptions options, std::int64_t step) {
+  const TetMesh mesh = solid.mesh();
+  ContactFinder finder(mesh, {}, solid.positions, {}, options);
+  std::vector<Contact> contacts;
+  finder.begin_step(solid.positions, step);
+  finder.find_contacts(solid.positions, contacts);
+  return {count_of(finder, ContactKind::kEdgePath), count_of(finder, ContactKind::kVertexPath)};
+}
+
+/// The same two in one piece, by elements that go from one to the other around the crossing.
+Solid crossing_edges_of_one_piece(double depth) {
+  Solid solid = crossing_edges(depth);
+  for (const Vec3& x : {Vec3{3, 0, -2}, {4, -3, -1}, {4, -3, 1}, {3, 0, 1}}) solid.positions.push_back(x);
+  for (const VertexTuple<4>& e : std::initializer_list<VertexTuple<4>>{
+           {1, 2, 3, 8}, {1, 2, 8, 9}, {1, 8, 9, 10}, {8, 9, 10, 11}, {9, 10, 11, 6}, {10, 11, 6, 4}, {4, 5, 6, 11}})
+    solid.elements.push_back(e);
+  return with_positive_elements(solid);
+}
+
+TEST(ContactFinder, EdgesInTheirOwnPieceRestInSomeStepsByDcdAlone) {
+  IndexedMesh file = make_octopus(1, 0.065, 1);
+  apply_pose(file, "swirl");
+  const Solid folded = solids::of(file), apart = with_positive_elements(crossing_edges(0.25)),
+              crossed = crossing_edges_of_one_piece(0.25);
+  const std::vector<Index> piece = crossed.mesh().element_components();
+  ASSERT_EQ(std::count(piece.begin(), piece.end(), 0), std::ssize(piece));
+  for (const bool interior : {false, true}) {
+    ContactOptions dcd = in_mode(interior ? DetectionMode::kHybrid : DetectionMode::kDcd);
+    dcd.interior_points = interior;
+    const auto [edges, vertices] = count_ways_out(folded, dcd, 0);
+    ASSERT_GT(edges, 0);
+    ASSERT_GT(vertices, 0);
+    const auto two_pieces = count_ways_out(apart, dcd, 0), no_vertex_inside = count_ways_out(crossed, dcd, 0);
+    ASSERT_GT(two_pieces[0], 0);
+    ASSERT_GT(no_vertex_inside[0], 0);
+    ASSERT_EQ(no_vertex_inside[1], 0);
+    for (const std::int64_t step : {1, 55, 56, 63, 64, 119, 120, 127, 128}) {
+      const bool rest = step % 64 >= 56;
+      EXPECT_EQ(count_ways_out(folded, dcd, step), (std::array{rest ? 0 : edges, vertices})) << step;
+      EXPECT_EQ(count_ways_out(apart, dcd, step), two_pieces) << step;
+      EXPECT_EQ(count_ways_out(crossed, dcd, step), no_vertex_inside) << step;
+    }
+  }
+  const ContactOptions hybrid = in_mode(DetectionMode::kHybrid);
+  EXPECT_EQ(count_ways_out(folded, hybrid, 60), count_ways_out(folded, hybrid, 0));
 }
 
 TEST(ContactFinder, EdgesThatRunIntoEachOtherMeetByCcd) {

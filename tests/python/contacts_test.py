@@ -50,6 +50,17 @@ def test_penetrations_by_dcd(boxes):
     assert len(hybrid.penetrating_vertices) > 0
 
 
+def test_edges_in_their_own_piece_rest_in_some_steps():
+    mesh = selvage.make("rod", cell=0.1, pose="self-crossing", crossings=1)
+    finder = selvage.ContactFinder(mesh, mode="dcd")
+    kinds = {}
+    for step in (0, 55, 56, 63, 64):
+        finder.begin_step(mesh.V, step)
+        kinds[step] = set(finder.find_contacts(mesh.V).kind)
+    assert {step for step in kinds if ContactKind.EDGE_PATH not in kinds[step]} == {56, 63}
+    assert all(ContactKind.VERTEX_PATH in kinds[step] for step in kinds)
+
+
 @pytest.mark.parametrize(
     ("options", "said"),
     [

@@ -119,7 +119,7 @@ void TimeStep::begin(const State& state, std::span<const Vec3> external_forces) 
   set_step(state);
   ++steps_begun_;
   if (!collider_surface_.positions.empty()) place_collider_surface(state);
-  if (contact_finder_) contact_finder_->begin_step(step_.positions);
+  if (contact_finder_) contact_finder_->begin_step(step_.positions, state.steps);
   if (gate_) statistics_.unguarded_vertices = contact_finder_->statistics().unguarded_vertices;
   predict(state, external_forces);
   place_handles();
