@@ -152,8 +152,8 @@ A box falls onto another one, and the step would end with a part of it inside.
           nb::sig("def begin_step(self, V: ArrayLike, step: int = 0) -> None"),
           R"(Start of a step from positions (n, 3) [m]: splits vertices and edges into penetrating and free ones.
 
-`step` is its number: by DCD alone, where a connected piece has vertices inside itself, its edges inside itself have no
-contacts in the last 8 of 64 steps, as contacts of edges and of vertices may hold a fold for ever.)")
+`step` is its number: by DCD alone, where points inside their own connected piece are joined by vertices and a vertex is
+among them, the edges among them have no contacts in the last 8 of 64 steps. Both may hold a fold for ever.)")
       .def(
           "find_contacts",
           [](StepContacts& self, nb::object v) {

@@ -96,20 +96,14 @@ void ContactFinder::Impl::append_paths(std::span<const Vec3> positions, std::vec
   timed(statistics.seconds_paths, [&] { append_ways_out(positions, points, contacts); });
 }
 
-/// Removes edges inside their own connected piece, where a vertex of it is inside it, too.
+/// Removes the edges of tangles that have a vertex inside.
 void ContactFinder::Impl::leave_out_own_edges(std::vector<PenetratingPoint>& points) const {
-  const auto own_piece = [&](const PenetratingPoint& p) {
-    if (is_of_collider(p.vertices[0]) || mesh.vertex_elements(p.vertices[0]).empty()) return kNone;
-    const Index piece = pieces[mesh.vertex_elements(p.vertices[0]).front()];
-    return piece == pieces[p.query.element] ? piece : kNone;
-  };
-  std::vector<std::uint8_t> is_folded(pieces.size(), 0);  // more than there are pieces
+  std::vector<std::uint8_t> has_vertex(number_tangles(mesh, pieces, points), 0);
   for (const PenetratingPoint& p : points)
-    if (const Index piece = own_piece(p); piece != kNone && p.kind == ContactKind::kVertexPath) is_folded[piece] = 1;
-  std::erase_if(points, [&](const PenetratingPoint& p) {
-    const Index piece = own_piece(p);
-    return piece != kNone && p.kind == ContactKind::kEdgePath && is_folded[piece] != 0;
-  });
+    if (p.kind == ContactKind::kVertexPath) has_vertex[p.tangle] = 1;
+  std::erase_if(
+      points, [&](const PenetratingPoint& p) { return p.kind == ContactKind::kEdgePath && has_vertex[p.tangle] != 0; });
+  for (PenetratingPoint& p : points) p.tangle = 0;
 }
 
 /// Removes the points of tangles that have a vertex of an inverted element. They need no query for a way out.
