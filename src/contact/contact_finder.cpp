@@ -15,7 +15,7 @@ namespace selvage {
 
 namespace {
 
-/// Steps after which edges in their own piece rest, and for how many.
+/// In so many steps of so many, the last ones, edges of tangles rest.
 constexpr std::int64_t kEdgesRestEvery = 64, kEdgesRestFor = 8;
 
 }  // namespace

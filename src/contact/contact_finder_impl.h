@@ -41,7 +41,7 @@ struct ContactFinder::Impl {
   TangledVertices tangled;             ///< at the start of the step; none but for kHybrid
   InvertedVertices inverted;           ///< at the start of the step
   std::vector<Index> pieces;    ///< connected component of each element; where whole tangles wait, or DCD is alone
-  bool own_edges_rest = false;  ///< in this step: edges inside their own piece
+  bool own_edges_rest = false;  ///< in this step: those of tangles that have a vertex
   ContactStatistics statistics;
   bool has_begun = false;  ///< any step
 
