@@ -15,7 +15,7 @@ namespace selvage {
 
 namespace {
 
-/// In so many steps of so many, the last ones, edges of tangles rest.
+/// Edges of tangles rest in the last kEdgesRestFor of kEdgesRestEvery steps.
 constexpr std::int64_t kEdgesRestEvery = 64, kEdgesRestFor = 8;
 
 }  // namespace
