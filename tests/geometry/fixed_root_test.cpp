@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -146,6 +147,87 @@ TEST(FixedRoot, ByHand) {
   EXPECT_EQ(steps_of({1, -3'000'001, 2'000'000'000'000, 0}), (Steps{0, 1}));  // close to each other, close to 0
   const Numbers<3> twice{4, -12, 9, 0};
   EXPECT_FALSE(visit_roots(with_coefficients<FixedInt<3>>(twice), [](auto&&) {}));
+}
+
+/// Where a volume is a distance times an area, one of the area's roots is one of the volume's, and rarely a fraction.
+TEST(FixedRoot, KnowsTheZeroOfAFactor) {
+  RandomSource random(4);
+  const std::int64_t count = scaled(6'000, 300);
+  std::int64_t zeros = 0;
+  for (std::int64_t n = 0; n < count; ++n) {
+    const auto number = [&random] { return random.integer(-100'000, 100'000); };
+    const Numbers<2> area{number(), number(), random.integer(0, 3) == 0 ? 0 : number()};
+    const Numbers<3> volume = product<3>(area, number(), number());
+    if (volume == Numbers<3>{}) continue;
+    const auto expected = *facts_about_roots<ExactInt>(volume, {area});
+    const auto found = facts_about_roots<FixedInt<3>>(volume, {area});
+    if (!found) continue;
+    ASSERT_EQ(found->size(), expected.size()) << "input " << n;
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      zeros += expected[i].signs[0] == 0;
+      ASSERT_EQ((*found)[i].signs[0], expected[i].signs[0]) << "input " << n << ", root " << i;
+    }
+  }
+  EXPECT_GT(zeros, quota(count, 1.0 / 4));
+}
+
+struct Multiples {
+  bool volume_of_area, volume_of_line, area_of_line, area_of_area;
+  bool operator==(const Multiples&) const = default;
+};
+
+/// By coefficients of a size as in SignConditions: of the volume in three words, of areas in two, of lines in one.
+template <class Int>
+Multiples multiples(const std::array<Numbers<1>, 4>& lines, bool is_moved) {
+  const auto first = with_coefficients<Int>(lines[0]), second = with_coefficients<Int>(lines[1]);
+  const auto third = with_coefficients<Int>(lines[2]), fourth = with_coefficients<Int>(lines[3]);
+  auto area = first * second, other = area, multiple = area;
+  area -= third * fourth;
+  multiple -= third * fourth;
+  for (auto& coefficient : multiple.coefficients) coefficient += coefficient;
+  auto volume = area * third;
+  if (is_moved) {
+    volume[1] += decltype(Int() * Int() * Int())(1);
+    other[1] += decltype(Int() * Int())(1);
+    multiple[0] += decltype(Int() * Int())(1);
+  }
+  return {is_multiple_of(volume, area), is_multiple_of(volume, third), is_multiple_of(other, first),
+          is_multiple_of(multiple, area)};
+}
+
+TEST(Polynomial, IsAMultipleByFixedIntegersAsByAnyOnes) {
+  RandomSource random(5);
+  const std::int64_t count = scaled(20'000, 1'000);
+  for (std::int64_t n = 0; n < count; ++n) {
+    // Up to the largest number of bits, or small with zeros among them.
+    const std::int64_t largest = n % 2 == 0 ? (std::int64_t{1} << 61) - 1 : 3;
+    std::array<Numbers<1>, 4> lines;
+    for (Numbers<1>& numbers : lines)
+      for (std::int64_t& c : numbers)
+        c = n % 8 == 0 ? largest * random.integer(-1, 1) : random.integer(-largest, largest);
+    const auto expected = multiples<ExactInt>(lines, false);
+    ASSERT_EQ(multiples<FixedInt<1>>(lines, false), expected) << "input " << n;
+    ASSERT_EQ(multiples<FixedInt<1>>(lines, true), multiples<ExactInt>(lines, true)) << "input " << n;
+    const bool has_zero = std::any_of(lines.begin(), lines.end(), [](auto& line) { return line == Numbers<1>{}; });
+    if (!has_zero) {
+      ASSERT_TRUE(expected.volume_of_line && expected.area_of_line) << "input " << n;
+    }
+  }
+}
+
+TEST(Polynomial, IsAMultipleByHand) {
+  const auto is_multiple = [](const auto& polynomial, const auto& divisor) {
+    return is_multiple_of(with_coefficients<FixedInt<2>>(polynomial), with_coefficients<FixedInt<1>>(divisor));
+  };
+  EXPECT_TRUE(is_multiple(Numbers<2>{-1, 0, 1}, Numbers<1>{1, 1}));      // (t + 1) (t - 1)
+  EXPECT_TRUE(is_multiple(Numbers<2>{-1, 0, 1}, Numbers<2>{-2, 2, 0}));  // of 2 (t - 1)
+  EXPECT_FALSE(is_multiple(Numbers<2>{-1, 0, 1}, Numbers<1>{2, 1}));
+  EXPECT_FALSE(is_multiple(Numbers<1>{1, 1}, Numbers<2>{1, 2, 1}));  // of its square
+  EXPECT_FALSE(is_multiple(Numbers<3>{1, 1, 0, 0}, Numbers<2>{1, 2, 1}));
+  EXPECT_TRUE(is_multiple(Numbers<3>{0, 2, 4, 2}, Numbers<2>{1, 2, 1}));
+  EXPECT_TRUE(is_multiple(Numbers<3>{1, 2, 3, 4}, Numbers<1>{7, 0}));  // of a constant
+  EXPECT_TRUE(is_multiple(Numbers<2>{}, Numbers<1>{1, 1}));
+  EXPECT_FALSE(is_multiple(Numbers<2>{1, 0, 0}, Numbers<1>{}));
 }
 
 }  // namespace

@@ -46,7 +46,9 @@ class FixedRoot {
       if (other == polynomial_) return 0;
     const auto signs = bernstein_signs(other, part_.number(), part_.k);
     if (is_exact_) return signs.at_0();
-    return signs.common() != 0 ? std::optional(signs.common()) : std::nullopt;
+    if (signs.common() != 0) return signs.common();
+    // A factor's root in the part is this root: as where a vertex in the plane of a face crosses its edge.
+    return signs.variations() == 1 && is_multiple_of(polynomial_, other) ? std::optional(0) : std::nullopt;
   }
 
   /// The first of 2^log equal steps of [0, 1] that holds the root, ends included, where that shows.

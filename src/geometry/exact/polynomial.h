@@ -45,6 +45,26 @@ Polynomial<Int, 1> line(const Int& start, const Int& end) {
   return {{start, end - start}};
 }
 
+/// Whether a polynomial is another one times a third, of rational coefficients: whether division leaves no remainder,
+/// with all multiplied by powers of the divisor's leading coefficient. Of fixed integers those of the remainder are as
+/// long as one coefficient of the polynomial and `Degree` ones of the divisor.
+template <class Int, int Degree, class Other, int OtherDegree>
+bool is_multiple_of(const Polynomial<Int, Degree>& polynomial, const Polynomial<Other, OtherDegree>& divisor) {
+  int degree = OtherDegree;
+  while (degree > 0 && divisor[degree].sign() == 0) --degree;
+  if (degree == 0) return divisor[0].sign() != 0 || polynomial.is_zero();
+  if (degree > Degree) return polynomial.is_zero();
+  if constexpr (Degree > 0) {
+    Polynomial<decltype(Int() * Other()), Degree - 1> rest;
+    for (int i = 0; i < Degree; ++i) {
+      rest[i] = polynomial[i] * divisor[degree];
+      if (i >= Degree - degree) rest[i] -= polynomial[Degree] * divisor[i - (Degree - degree)];
+    }
+    return is_multiple_of(rest, divisor);
+  }
+  return polynomial.is_zero();
+}
+
 /// Twice the words of a fixed integer.
 template <class Int>
 using Wider = decltype(Int() * Int());
