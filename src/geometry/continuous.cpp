@@ -82,7 +82,7 @@ class TimeHalving {
 
   Certainty decide(const TimePart& part) {
     parts_left_ = kMaxParts;
-    return is_doubtful_at_start(part) ? Certainty::kUnknown : decide_part(part);
+    return is_doubtful(part) ? Certainty::kUnknown : decide_part(part);
   }
 
   /// Whether the sets meet, and in which step first.
@@ -92,7 +92,7 @@ class TimeHalving {
   };
   FirstMeeting first_meeting(const TimePart& part) {
     parts_left_ = kMaxParts;
-    return is_doubtful_at_start(part) ? FirstMeeting{Certainty::kUnknown, 0} : first_in(part);
+    return is_doubtful(part) ? FirstMeeting{Certainty::kUnknown, 0} : first_in(part);
   }
 
   bool meets(const TimePart& all) {
@@ -166,8 +166,10 @@ class TimeHalving {
     return projections == Certainty::kYes && start * end < 0 ? Certainty::kYes : Certainty::kUnknown;
   }
 
-  /// As are pairs of bodies that lie on each other: whatever part begins then is doubtful, too, however small.
-  bool is_doubtful_at_start(const TimePart& part) const {
+  /// As are pairs in one plane throughout, and pairs of bodies that lie on each other: whatever part begins when they
+  /// do is doubtful, too, however small.
+  bool is_doubtful(const TimePart& part) const {
+    if (is_of_sign(0, part)) return projections_meet(part) != Certainty::kNo;
     return decide_at_once(beginning(part, part.first_step + 1)) == Certainty::kUnknown;
   }
 

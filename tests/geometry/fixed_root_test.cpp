@@ -171,31 +171,56 @@ TEST(FixedRoot, KnowsTheZeroOfAFactor) {
   EXPECT_GT(zeros, quota(count, 1.0 / 4));
 }
 
-struct Multiples {
-  bool volume_of_area, volume_of_line, area_of_line, area_of_area;
-  bool operator==(const Multiples&) const = default;
-};
+/// Where two areas share a factor, neither need be a multiple of the other.
+TEST(FixedRoot, KnowsTheZeroOfACommonFactor) {
+  RandomSource random(6);
+  const std::int64_t count = scaled(6'000, 300);
+  std::int64_t zeros = 0;
+  for (std::int64_t n = 0; n < count; ++n) {
+    const auto number = [&random] { return random.integer(-100'000, 100'000); };
+    const Numbers<1> shared{number(), number()};
+    const auto area = product<2>(shared, number(), number()), other = product<2>(shared, number(), number());
+    if (area == Numbers<2>{}) continue;
+    const auto expected = *facts_about_roots<ExactInt>(area, {other});
+    const auto found = facts_about_roots<FixedInt<2>>(area, {other});
+    if (!found) continue;
+    ASSERT_EQ(found->size(), expected.size()) << "input " << n;
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      const auto sign = (*found)[i].signs[0];
+      zeros += expected[i].signs[0] == 0;
+      ASSERT_TRUE(sign == expected[i].signs[0] || (!sign && expected[i].signs[0] != 0)) << "input " << n << ", " << i;
+    }
+  }
+  EXPECT_GT(zeros, quota(count, 1.0 / 4));
+}
 
-/// By coefficients of a size as in SignConditions: of the volume in three words, of areas in two, of lines in one.
+/// Its degree; -1 where both polynomials are zero.
+template <class P, class Q>
+int degree_of_common_divisor(const P& p, const Q& q) {
+  if (p.is_zero() && q.is_zero()) return -1;
+  int degree = 0;
+  visit_common_divisor(p, q, [&degree](const auto& divisor) { return (degree = divisor.degree()) > 0; });
+  return degree;
+}
+
+/// Of a volume, with coefficients of three words, areas of two and lines of one, as in the conditions of a meeting.
 template <class Int>
-Multiples multiples(const std::array<Numbers<1>, 4>& lines, bool is_moved) {
+std::array<int, 6> degrees_of_common_divisors(const std::array<Numbers<1>, 4>& lines, bool is_moved) {
   const auto first = with_coefficients<Int>(lines[0]), second = with_coefficients<Int>(lines[1]);
   const auto third = with_coefficients<Int>(lines[2]), fourth = with_coefficients<Int>(lines[3]);
-  auto area = first * second, other = area, multiple = area;
-  area -= third * fourth;
-  multiple -= third * fourth;
-  for (auto& coefficient : multiple.coefficients) coefficient += coefficient;
+  const auto area = first * second - third * fourth;
+  auto product = first * third;
   auto volume = area * third;
   if (is_moved) {
     volume[1] += decltype(Int() * Int() * Int())(1);
-    other[1] += decltype(Int() * Int())(1);
-    multiple[0] += decltype(Int() * Int())(1);
+    product[0] += decltype(Int() * Int())(1);
   }
-  return {is_multiple_of(volume, area), is_multiple_of(volume, third), is_multiple_of(other, first),
-          is_multiple_of(multiple, area)};
+  return {degree_of_common_divisor(volume, area),    degree_of_common_divisor(volume, third),
+          degree_of_common_divisor(volume, product), degree_of_common_divisor(product, first * second),
+          degree_of_common_divisor(first, product),  degree_of_common_divisor(area, area)};
 }
 
-TEST(Polynomial, IsAMultipleByFixedIntegersAsByAnyOnes) {
+TEST(Polynomial, HasTheCommonDivisorByFixedIntegersAsByAnyOnes) {
   RandomSource random(5);
   const std::int64_t count = scaled(20'000, 1'000);
   for (std::int64_t n = 0; n < count; ++n) {
@@ -205,29 +230,32 @@ TEST(Polynomial, IsAMultipleByFixedIntegersAsByAnyOnes) {
     for (Numbers<1>& numbers : lines)
       for (std::int64_t& c : numbers)
         c = n % 8 == 0 ? largest * random.integer(-1, 1) : random.integer(-largest, largest);
-    const auto expected = multiples<ExactInt>(lines, false);
-    ASSERT_EQ(multiples<FixedInt<1>>(lines, false), expected) << "input " << n;
-    ASSERT_EQ(multiples<FixedInt<1>>(lines, true), multiples<ExactInt>(lines, true)) << "input " << n;
-    const bool has_zero = std::any_of(lines.begin(), lines.end(), [](auto& line) { return line == Numbers<1>{}; });
-    if (!has_zero) {
-      ASSERT_TRUE(expected.volume_of_line && expected.area_of_line) << "input " << n;
-    }
+    for (const bool is_moved : {false, true})
+      ASSERT_EQ(degrees_of_common_divisors<FixedInt<1>>(lines, is_moved),
+                degrees_of_common_divisors<ExactInt>(lines, is_moved))
+          << "input " << n;
+    const auto degrees = degrees_of_common_divisors<FixedInt<1>>(lines, false);
+    const auto is_zero = [](const Numbers<1>& line) { return line == Numbers<1>{}; };
+    if (std::any_of(lines.begin(), lines.end(), is_zero)) continue;
+    ASSERT_GE(degrees[1], lines[2][1] != 0 ? 1 : 0) << "input " << n;
+    ASSERT_GE(degrees[3], lines[0][1] != 0 ? 1 : 0) << "input " << n;
+    ASSERT_GE(degrees[4], lines[0][1] != 0 ? 1 : 0) << "input " << n;
   }
 }
 
-TEST(Polynomial, IsAMultipleByHand) {
-  const auto is_multiple = [](const auto& polynomial, const auto& divisor) {
-    return is_multiple_of(with_coefficients<FixedInt<2>>(polynomial), with_coefficients<FixedInt<1>>(divisor));
+TEST(Polynomial, HasTheCommonDivisorByHand) {
+  const auto degree = [](const auto& p, const auto& q) {
+    return degree_of_common_divisor(with_coefficients<FixedInt<2>>(p), with_coefficients<FixedInt<1>>(q));
   };
-  EXPECT_TRUE(is_multiple(Numbers<2>{-1, 0, 1}, Numbers<1>{1, 1}));      // (t + 1) (t - 1)
-  EXPECT_TRUE(is_multiple(Numbers<2>{-1, 0, 1}, Numbers<2>{-2, 2, 0}));  // of 2 (t - 1)
-  EXPECT_FALSE(is_multiple(Numbers<2>{-1, 0, 1}, Numbers<1>{2, 1}));
-  EXPECT_FALSE(is_multiple(Numbers<1>{1, 1}, Numbers<2>{1, 2, 1}));  // of its square
-  EXPECT_FALSE(is_multiple(Numbers<3>{1, 1, 0, 0}, Numbers<2>{1, 2, 1}));
-  EXPECT_TRUE(is_multiple(Numbers<3>{0, 2, 4, 2}, Numbers<2>{1, 2, 1}));
-  EXPECT_TRUE(is_multiple(Numbers<3>{1, 2, 3, 4}, Numbers<1>{7, 0}));  // of a constant
-  EXPECT_TRUE(is_multiple(Numbers<2>{}, Numbers<1>{1, 1}));
-  EXPECT_FALSE(is_multiple(Numbers<2>{1, 0, 0}, Numbers<1>{}));
+  EXPECT_EQ(degree(Numbers<2>{-1, 0, 1}, Numbers<1>{1, 1}), 1);      // (t + 1) (t - 1)
+  EXPECT_EQ(degree(Numbers<2>{-1, 0, 1}, Numbers<2>{-2, 2, 0}), 1);  // and 2 (t - 1)
+  EXPECT_EQ(degree(Numbers<2>{-1, 0, 1}, Numbers<1>{2, 1}), 0);
+  EXPECT_EQ(degree(Numbers<1>{1, 1}, Numbers<2>{1, 2, 1}), 1);  // and its square
+  EXPECT_EQ(degree(Numbers<3>{0, 2, 4, 2}, Numbers<2>{1, 2, 1}), 2);
+  EXPECT_EQ(degree(Numbers<3>{0, 1, 3, 2}, Numbers<2>{1, 2, 1}), 1);  // t (t + 1) (2 t + 1)
+  EXPECT_EQ(degree(Numbers<3>{1, 2, 3, 4}, Numbers<1>{7, 0}), 0);
+  EXPECT_EQ(degree(Numbers<2>{}, Numbers<1>{1, 1}), 1);
+  EXPECT_EQ(degree(Numbers<2>{1, 0, 2}, Numbers<1>{}), 2);
 }
 
 }  // namespace

@@ -47,8 +47,11 @@ class FixedRoot {
     const auto signs = bernstein_signs(other, part_.number(), part_.k);
     if (is_exact_) return signs.at_0();
     if (signs.common() != 0) return signs.common();
-    // A factor's root in the part is this root: as where a vertex in the plane of a face crosses its edge.
-    return signs.variations() == 1 && is_multiple_of(polynomial_, other) ? std::optional(0) : std::nullopt;
+    // A common divisor's root in the part is this one: as where a vertex in the plane of a face crosses its edge.
+    const auto has_root = [this](const auto& divisor) {
+      return bernstein_signs(divisor, part_.number(), part_.k).variations() == 1;
+    };
+    return visit_common_divisor(polynomial_, other, has_root) ? std::optional(0) : std::nullopt;
   }
 
   /// The first of 2^log equal steps of [0, 1] that holds the root, ends included, where that shows.

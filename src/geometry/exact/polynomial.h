@@ -20,6 +20,13 @@ struct Polynomial {
     return true;
   }
 
+  /// The power of the leading coefficient that is not 0; 0 where all are.
+  int degree() const {
+    int result = Degree;
+    while (result > 0 && coefficients[result].sign() == 0) --result;
+    return result;
+  }
+
   Polynomial& operator+=(const Polynomial& other) {
     for (int i = 0; i <= Degree; ++i) coefficients[i] += other[i];
     return *this;
@@ -45,24 +52,24 @@ Polynomial<Int, 1> line(const Int& start, const Int& end) {
   return {{start, end - start}};
 }
 
-/// Whether a polynomial is another one times a third, of rational coefficients: whether division leaves no remainder,
-/// with all multiplied by powers of the divisor's leading coefficient. Of fixed integers those of the remainder are as
-/// long as one coefficient of the polynomial and `Degree` ones of the divisor.
-template <class Int, int Degree, class Other, int OtherDegree>
-bool is_multiple_of(const Polynomial<Int, Degree>& polynomial, const Polynomial<Other, OtherDegree>& divisor) {
-  int degree = OtherDegree;
-  while (degree > 0 && divisor[degree].sign() == 0) --degree;
-  if (degree == 0) return divisor[0].sign() != 0 || polynomial.is_zero();
-  if (degree > Degree) return polynomial.is_zero();
-  if constexpr (Degree > 0) {
-    Polynomial<decltype(Int() * Other()), Degree - 1> rest;
-    for (int i = 0; i < Degree; ++i) {
-      rest[i] = polynomial[i] * divisor[degree];
-      if (i >= Degree - degree) rest[i] -= polynomial[Degree] * divisor[i - (Degree - degree)];
+/// Euclid's algorithm, without fractions: what `visit` returns for the greatest common divisor of two polynomials, not
+/// both 0, times some number; false where it is a constant. Fixed integers grow with each division, and never overflow.
+template <class Int, int Degree, class Other, int OtherDegree, class Visit>
+bool visit_common_divisor(const Polynomial<Int, Degree>& p, const Polynomial<Other, OtherDegree>& q, Visit&& visit) {
+  if (q.is_zero()) return visit(p);
+  const int degree = q.degree();
+  if (degree == 0) return false;
+  if constexpr (Degree > 0)
+    if (degree <= Degree) {
+      Polynomial<decltype(Int() * Other()), Degree - 1> rest;
+      for (int i = 0; i < Degree; ++i) {
+        rest[i] = p[i] * q[degree];
+        if (i >= Degree - degree) rest[i] -= p[Degree] * q[i - (Degree - degree)];
+      }
+      return visit_common_divisor(rest, q, visit);
     }
-    return is_multiple_of(rest, divisor);
-  }
-  return polynomial.is_zero();
+  if constexpr (Degree < OtherDegree) return visit_common_divisor(q, p, visit);
+  return false;
 }
 
 /// Twice the words of a fixed integer.
@@ -112,6 +119,7 @@ struct BernsteinSigns {
 template <class Int, int Degree>
 BernsteinSigns<Degree> bernstein_signs(const Polynomial<Int, Degree>& c) {
   static_assert(Degree <= 3);
+  if constexpr (Degree == 0) return {{c[0].sign()}};
   if constexpr (Degree == 1) return {{c[0].sign(), (c[0] + c[1]).sign()}};
   if constexpr (Degree == 2) {
     const Int twice = c[0] + c[0] + c[1];
