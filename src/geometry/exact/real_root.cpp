@@ -6,51 +6,42 @@ namespace selvage {
 
 namespace {
 
-/// -1 for the zero polynomial.
-int degree_of(const Cubic& c) {
-  int degree = 3;
-  while (degree >= 0 && c[degree] == 0) --degree;
-  return degree;
-}
-
 Cubic derivative(const Cubic& c) {
   Cubic result;
   for (int i = 1; i <= 3; ++i) result[i - 1] = i * c[i];
   return result;
 }
 
-struct Division {
-  Cubic quotient, remainder;
-};
-
-/// Divides a power of the divisor's leading coefficient times the dividend.
-Division pseudo_divide(const Cubic& dividend, const Cubic& divisor) {
-  Division result{{}, dividend};
-  const int low = degree_of(divisor);
-  for (int high = degree_of(result.remainder); high >= low; high = degree_of(result.remainder)) {
-    const ExactInt lead = result.remainder[high];
+/// The quotient by a divisor that is no constant, up to a factor: of a power of its leading coefficient times the
+/// dividend.
+Cubic quotient(Cubic dividend, const Cubic& divisor) {
+  Cubic result;
+  const int low = divisor.degree();
+  for (int high = dividend.degree(); high >= low; high = dividend.degree()) {
+    const ExactInt lead = dividend[high];
     for (int i = 0; i <= 3; ++i) {
-      result.remainder[i] *= divisor[low];
-      result.quotient[i] *= divisor[low];
+      dividend[i] *= divisor[low];
+      result[i] *= divisor[low];
     }
-    for (int i = 0; i <= low; ++i) result.remainder[high - low + i] -= lead * divisor[i];
-    result.quotient[high - low] += lead;
+    for (int i = 0; i <= low; ++i) dividend[high - low + i] -= lead * divisor[i];
+    result[high - low] += lead;
   }
   return result;
 }
 
-/// Up to a factor.
-Cubic greatest_common_divisor(Cubic a, Cubic b) {
-  while (!b.is_zero()) {
-    a = pseudo_divide(a, b).remainder;
-    std::swap(a, b);
-  }
-  return a;
+/// Up to a factor; 0 where it is a constant.
+Cubic common_divisor(const Cubic& p, const Cubic& q) {
+  Cubic result;
+  visit_common_divisor(p, q, [&result](const auto& divisor) {
+    result = to_cubic(divisor);
+    return true;
+  });
+  return result;
 }
 
 Cubic without_multiple_roots(const Cubic& polynomial) {
-  const Cubic multiple = greatest_common_divisor(polynomial, derivative(polynomial));
-  return degree_of(multiple) <= 0 ? polynomial : pseudo_divide(polynomial, multiple).quotient;
+  const Cubic multiple = common_divisor(polynomial, derivative(polynomial));
+  return multiple.degree() == 0 ? polynomial : quotient(polynomial, multiple);
 }
 
 }  // namespace
@@ -64,8 +55,8 @@ void RealRoot::halve_interval() {
 }
 
 bool RealRoot::is_root_of(const Cubic& polynomial) {
-  const Cubic common = greatest_common_divisor(polynomial_, polynomial);
-  if (degree_of(common) <= 0) return false;
+  const Cubic common = common_divisor(polynomial_, polynomial);
+  if (common.degree() == 0) return false;
   // The common divisor has no multiple roots either, and no other root than this one in the interval; Descartes' count
   // is exact as soon as it is at most 1.
   while (!is_exact_) {
