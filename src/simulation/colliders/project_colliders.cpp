@@ -75,11 +75,11 @@ struct MovingCollider {
       return !find_hit(shape, to_local(vertex));
   }
 
-  /// @param was             start_of() the vertex
-  /// @param max_correction  what starts the step deeper inside comes out by so much [m]
+  /// @param was                       start_of() the vertex
+  /// @param max_correction, part_out  see selvage::project_colliders()
   template <typename Shape>
   void push_out(const Shape& shape, const Step& step, std::int64_t v, const Vec3& was, double max_correction,
-                const Vec3& ejected, const Vec3& way, ColliderContactState& state, StepVertex& vertex,
+                double part_out, const Vec3& ejected, const Vec3& way, ColliderContactState& state, StepVertex& vertex,
                 ColliderContacts& contacts) const {
     const Vec3 p = to_local(vertex);
     const std::optional<Hit> hit = find_hit_on_way(shape, was, p);
@@ -91,7 +91,8 @@ struct MovingCollider {
       if (at_start && at_start->depth > kContactGap * max_correction) {
         state.way_out = end.rotation * at_start->normal;
         state.start_depth = at_start->depth;
-        state.depth_left = std::max(0.0, at_start->depth - max_correction);
+        state.depth_left =
+            std::max(at_start->depth - max_correction, is_fixed ? (1 - part_out) * at_start->depth : 0.0);
         state.waits = kHasFarSide<Shape> && state.depth_left > 0 && state.way_out.dot(way) < 0;
         ++contacts.started_inside;
       }
@@ -145,10 +146,11 @@ struct MovingCollider {
 class Projection {
  public:
   Projection(std::span<const PreparedCollider> colliders, const Step& step, std::span<const double> max_corrections,
-             std::span<const double> half_thickness, std::span<const Vec3> ejected, std::span<const Vec3> ways,
-             std::span<ColliderContactState> states, std::span<StepVertex> vertices)
+             double part_out, std::span<const double> half_thickness, std::span<const Vec3> ejected,
+             std::span<const Vec3> ways, std::span<ColliderContactState> states, std::span<StepVertex> vertices)
       : step_(step),
         max_corrections_(max_corrections),
+        part_out_(part_out),
         half_thickness_(half_thickness),
         ejected_(ejected),
         ways_(ways),
@@ -225,7 +227,7 @@ class Projection {
       if (half == 0 && colliders_[c].is_outside(shape, vertices_[v])) continue;
       const Vec3 was = colliders_[c].start_of(step_, v);
       const auto push_out = [&](const auto& own) {
-        colliders_[c].push_out(own, step_, v, was, max_corrections_[v], ejected_[v],
+        colliders_[c].push_out(own, step_, v, was, max_corrections_[v], part_out_, ejected_[v],
                                ways_.empty() ? Vec3(Vec3::Zero()) : ways_[v], states_[v * colliders_.size() + c],
                                vertices_[v], hits);
       };
@@ -235,6 +237,7 @@ class Projection {
 
   const Step& step_;
   std::span<const double> max_corrections_;
+  double part_out_;
   std::span<const double> half_thickness_;
   double largest_half_ = 0;  ///< [m]
   std::span<const Vec3> ejected_, ways_;
@@ -247,11 +250,13 @@ class Projection {
 }  // namespace
 
 ColliderContacts project_colliders(std::span<const PreparedCollider> colliders, const Step& step,
-                                   std::span<const double> max_corrections, std::span<const double> half_thickness,
-                                   std::span<const Vec3> ejected, std::span<const Vec3> ways,
-                                   std::span<ColliderContactState> states, std::span<StepVertex> vertices) {
+                                   std::span<const double> max_corrections, double part_out,
+                                   std::span<const double> half_thickness, std::span<const Vec3> ejected,
+                                   std::span<const Vec3> ways, std::span<ColliderContactState> states,
+                                   std::span<StepVertex> vertices) {
   if (colliders.empty()) return {};
-  return Projection(colliders, step, max_corrections, half_thickness, ejected, ways, states, vertices).project();
+  return Projection(colliders, step, max_corrections, part_out, half_thickness, ejected, ways, states, vertices)
+      .project();
 }
 
 std::vector<Index> find_deep_vertices(const ColliderContacts& contacts, std::span<const ColliderContactState> states,

@@ -13,6 +13,8 @@ constexpr double kPartingTime = 0.25, kPartingDamping = 100;
 /// Part of a body's size by which its box is larger on all sides: bodies may be out of one another by that way before
 /// the last step in which others were inside.
 constexpr double kPartingGap = 0.25;
+/// See Parting::part_out(). With twice as much some stay caught in walls on several sides.
+constexpr double kPartOut = 0.05;
 
 }  // namespace
 
@@ -54,6 +56,10 @@ bool Parting::is_any(const State& state) const {
   const auto& times = state.rest_times;
   return state.steps == 0 || model_.bodies.empty() ||
          std::any_of(times.begin(), times.end(), [](double time) { return time < 0; });
+}
+
+double Parting::part_out(const State& state) const {
+  return is_any(state) ? kPartOut : 1;
 }
 
 void Parting::finish(const Pieces& pieces, std::span<const MomentumSums> start, std::span<const Contact> contacts,

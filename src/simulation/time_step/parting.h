@@ -28,6 +28,12 @@ class Parting {
   /// Whether a body parts at the start of a step, or may: in the first, and where the model names no bodies.
   bool is_any(const State& state) const;
 
+  /// The part of its depth in a collider that stands still by which a vertex comes out in a step at most. Where bodies
+  /// part, those that are deeper come out by more, so that elements keep their order: where all come out alike, those
+  /// that are out wait on the surface, and the elements behind them are pressed flat between these and the rest, which
+  /// little undoes.
+  double part_out(const State& state) const;
+
   /// O(contacts), and O(n + bodies^2) while bodies part.
   /// @param start     (n_pieces) at the start of the step
   /// @param contacts  of the step

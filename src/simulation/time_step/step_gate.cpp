@@ -153,7 +153,7 @@ bool StepGate::is_crushed(std::int64_t vertices_in_colliders) const {
 }
 
 bool StepGate::is_round_crushed() const {
-  return is_crushed(std::ssize(entries_)) ||
+  return (is_crushed_ && !(collapsing_.empty() && entries_.empty())) || is_crushed(std::ssize(entries_)) ||
          (!is_strict_ && is_any_torn_ && kCrushedShare * std::ssize(collapsing_) > model_.mesh.element_count());
 }
 
@@ -272,7 +272,7 @@ bool StepGate::move_zones(int round, bool may_bend, const Step& step, const Carr
     const Index root = root_of(touch.vertices[0]);
     if (shares_[root] != kStandsAlways) zones[root].add(touch);
   }
-  const double part_out = is_crushed_ ? 0 : kPartOut * std::pow(kLaterPartOut, std::min(round, kScaledRounds));
+  const double part_out = kPartOut * std::pow(kLaterPartOut, std::min(round, kScaledRounds));
   bool any_moved = false;
   for (const auto& [root, zone] : zones) {
     const double share_of_root = shares_[root], share = std::max(share_of_root, 0.0);
@@ -356,7 +356,7 @@ GateStatistics StepGate::hold_back(ContactFinder& finder, const Step& step, cons
   bool are_impacts_known = true;
   is_any_torn_ = false;
   is_crushed_ = is_crushed;
-  for (bool may_bend = !is_crushed; has_violations(); ++statistics.rounds) {
+  for (bool may_bend = true; has_violations(); ++statistics.rounds) {
     const auto round = static_cast<int>(statistics.rounds);
     join_violations(finder.surface(), step, carriers, vertices);
     scale_zones(round);

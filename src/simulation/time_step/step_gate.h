@@ -56,7 +56,7 @@ class StepGate {
   StepGate(const Model& model, Index contact_vertex_count, bool is_strict = false);
 
   /// Whether a body has no room, by the number of its vertices that are inside colliders. It goes through many rounds,
-  /// and impacts, which take longest to find, are not looked for in all of them.
+  /// and impacts, which take longest to find, are looked for only in those in which all else holds.
   bool is_crushed(std::int64_t vertices_in_colliders) const;
 
   /// Whether an element is about to be inverted, or something meets.
@@ -65,7 +65,7 @@ class StepGate {
 
   /// Moves vertices until is_violated() no longer holds, after it held; but elements that are almost flat may lose a
   /// tenth of their volume where no motion of their zone spares them.
-  /// @param is_crushed  is_crushed() of the vertices that started the step inside: zones are not bent, nor led out
+  /// @param is_crushed  is_crushed() of the vertices that started the step inside
   GateStatistics hold_back(ContactFinder& finder, const Step& step, const Carriers& carriers, bool is_crushed,
                            std::span<StepVertex> vertices);
 
