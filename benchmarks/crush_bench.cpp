@@ -9,23 +9,31 @@
 
 // What the dearest frame costs of a body that colliders leave no room, beside a frame of that body as it lies on a
 // floor: a box of 6,000 elements in a container, under a plane that goes through the container's floor, between two
-// such planes at right angles, and under one in a container of its own width. One thread. The time of an iteration is
-// that of the dearest frame. selvage_microbench --benchmark_filter=crush
+// such planes at right angles, and under one in a container of its own width; there also a hundred times as stiff, and
+// down to the floor. One thread. The time of an iteration is that of the dearest frame.
+// selvage_microbench --benchmark_filter=crush
 namespace selvage {
 namespace {
 
 constexpr int kFrames = 60, kRepetitions = 3;
 
-constexpr const char* kBody = R"({"selvage_scene": 1, "sleep_speed": 0,
-  "bodies": [{"mesh": {"shape": "box", "size": [0.5, 0.5, 0.5], "cell": 0.05}, "translate": [-0.25, -0.25, 0.1],
-    "material": {"youngs_modulus": 1e5, "poisson_ratio": 0.4, "density": 1000}}],
-  "colliders": [)";
+/// Young's moduli [Pa].
+constexpr const char* kSoft = "1e5";
+constexpr const char* kStiff = "1e7";
 constexpr const char* kWide = R"({"box": {"min": [-0.5, -0.5, 0], "max": [0.5, 0.5, 1]}})";
 constexpr const char* kNarrow = R"({"box": {"min": [-0.25, -0.25, 0], "max": [0.25, 0.25, 1]}})";
 constexpr const char* kFromAbove = R"(, {"plane": {"point": [0, 0, 1], "normal": [0, 0, -1]},
     "motion": {"keyframes": [{"time": 0}, {"time": 0.5, "translate": [0, 0, -1.1]}]}})";
+constexpr const char* kToTheFloor = R"(, {"plane": {"point": [0, 0, 1], "normal": [0, 0, -1]},
+    "motion": {"keyframes": [{"time": 0}, {"time": 0.5, "translate": [0, 0, -1]}]}})";
 constexpr const char* kFromTheSide = R"(, {"plane": {"point": [-1, 0, 0], "normal": [1, 0, 0]},
     "motion": {"keyframes": [{"time": 0}, {"time": 0.5, "translate": [1.1, 0, 0]}]}})";
+
+std::string scene_of(const std::string& youngs_modulus, const std::string& colliders) {
+  return R"({"selvage_scene": 1, "sleep_speed": 0, "bodies": [{"mesh": {"shape": "box", "size": [0.5, 0.5, 0.5],
+    "cell": 0.05}, "translate": [-0.25, -0.25, 0.1], "material": {"youngs_modulus": )" +
+         youngs_modulus + R"(, "poisson_ratio": 0.4, "density": 1000}}], "colliders": [)" + colliders + "]}";
+}
 
 /// Seconds of each frame: of several runs, which all do the same, the least.
 std::vector<double> seconds_of_frames(const std::string& text) {
@@ -43,30 +51,35 @@ std::vector<double> seconds_of_frames(const std::string& text) {
   return least;
 }
 
-void crush(benchmark::State& state, const std::string& colliders) {
+void crush(benchmark::State& state, const std::string& youngs_modulus, const std::string& colliders) {
   const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
-  std::vector<double> rest = seconds_of_frames(std::string(kBody) + kWide + "]}");
+  std::vector<double> rest = seconds_of_frames(scene_of(youngs_modulus, kWide));
   std::nth_element(rest.begin(), rest.begin() + kFrames / 2, rest.end());
   for (auto _ : state) {
-    const std::vector<double> crushed = seconds_of_frames(kBody + colliders + "]}");
+    const std::vector<double> crushed = seconds_of_frames(scene_of(youngs_modulus, colliders));
     const double dearest = *std::max_element(crushed.begin(), crushed.end());
     state.SetIterationTime(dearest);
     state.counters["frames at rest"] = dearest / rest[kFrames / 2];
   }
 }
 
-BENCHMARK_CAPTURE(crush, a_plane, std::string(kWide) + kFromAbove)
+BENCHMARK_CAPTURE(crush, a_plane, kSoft, std::string(kWide) + kFromAbove)
     ->Name("simulation/crush/plane")
     ->Iterations(1)
     ->UseManualTime()
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(crush, two_planes, std::string(kWide) + kFromAbove + kFromTheSide)
+BENCHMARK_CAPTURE(crush, two_planes, kSoft, std::string(kWide) + kFromAbove + kFromTheSide)
     ->Name("simulation/crush/two planes")
     ->Iterations(1)
     ->UseManualTime()
     ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(crush, narrow, std::string(kNarrow) + kFromAbove)
+BENCHMARK_CAPTURE(crush, narrow, kSoft, std::string(kNarrow) + kFromAbove)
     ->Name("simulation/crush/own width")
+    ->Iterations(1)
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(crush, stiff, kStiff, std::string(kNarrow) + kToTheFloor)
+    ->Name("simulation/crush/own width, stiff")
     ->Iterations(1)
     ->UseManualTime()
     ->Unit(benchmark::kMillisecond);
