@@ -14,7 +14,7 @@ constexpr double kPartingTime = 0.25, kPartingDamping = 100;
 /// the last step in which others were inside.
 constexpr double kPartingGap = 0.25;
 /// See Parting::part_out(). With twice as much some stay caught in walls on several sides.
-constexpr double kPartOut = 0.05;
+constexpr double kDepthShare = 0.05;
 
 }  // namespace
 
@@ -59,7 +59,7 @@ bool Parting::is_any(const State& state) const {
 }
 
 double Parting::part_out(const State& state) const {
-  return is_any(state) ? kPartOut : 1;
+  return is_any(state) ? kDepthShare : 1;
 }
 
 void Parting::finish(const Pieces& pieces, std::span<const MomentumSums> start, std::span<const Contact> contacts,
