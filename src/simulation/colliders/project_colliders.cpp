@@ -76,11 +76,11 @@ struct MovingCollider {
   }
 
   /// @param was                       start_of() the vertex
-  /// @param max_correction, part_out  see selvage::project_colliders()
+  /// @param max_correction, depth_share  see selvage::project_colliders()
   template <typename Shape>
   void push_out(const Shape& shape, const Step& step, std::int64_t v, const Vec3& was, double max_correction,
-                double part_out, const Vec3& ejected, const Vec3& way, ColliderContactState& state, StepVertex& vertex,
-                ColliderContacts& contacts) const {
+                double depth_share, const Vec3& ejected, const Vec3& way, ColliderContactState& state,
+                StepVertex& vertex, ColliderContacts& contacts) const {
     const Vec3 p = to_local(vertex);
     const std::optional<Hit> hit = find_hit_on_way(shape, was, p);
     if (!hit) return;
@@ -92,7 +92,7 @@ struct MovingCollider {
         state.way_out = end.rotation * at_start->normal;
         state.start_depth = at_start->depth;
         state.depth_left =
-            std::max(at_start->depth - max_correction, is_fixed ? (1 - part_out) * at_start->depth : 0.0);
+            std::max(at_start->depth - max_correction, is_fixed ? (1 - depth_share) * at_start->depth : 0.0);
         state.waits = kHasFarSide<Shape> && state.depth_left > 0 && state.way_out.dot(way) < 0;
         ++contacts.started_inside;
       }
@@ -146,11 +146,11 @@ struct MovingCollider {
 class Projection {
  public:
   Projection(std::span<const PreparedCollider> colliders, const Step& step, std::span<const double> max_corrections,
-             double part_out, std::span<const double> half_thickness, std::span<const Vec3> ejected,
+             double depth_share, std::span<const double> half_thickness, std::span<const Vec3> ejected,
              std::span<const Vec3> ways, std::span<ColliderContactState> states, std::span<StepVertex> vertices)
       : step_(step),
         max_corrections_(max_corrections),
-        part_out_(part_out),
+        depth_share_(depth_share),
         half_thickness_(half_thickness),
         ejected_(ejected),
         ways_(ways),
@@ -227,7 +227,7 @@ class Projection {
       if (half == 0 && colliders_[c].is_outside(shape, vertices_[v])) continue;
       const Vec3 was = colliders_[c].start_of(step_, v);
       const auto push_out = [&](const auto& own) {
-        colliders_[c].push_out(own, step_, v, was, max_corrections_[v], part_out_, ejected_[v],
+        colliders_[c].push_out(own, step_, v, was, max_corrections_[v], depth_share_, ejected_[v],
                                ways_.empty() ? Vec3(Vec3::Zero()) : ways_[v], states_[v * colliders_.size() + c],
                                vertices_[v], hits);
       };
@@ -237,7 +237,7 @@ class Projection {
 
   const Step& step_;
   std::span<const double> max_corrections_;
-  double part_out_;
+  double depth_share_;
   std::span<const double> half_thickness_;
   double largest_half_ = 0;  ///< [m]
   std::span<const Vec3> ejected_, ways_;
@@ -250,12 +250,12 @@ class Projection {
 }  // namespace
 
 ColliderContacts project_colliders(std::span<const PreparedCollider> colliders, const Step& step,
-                                   std::span<const double> max_corrections, double part_out,
+                                   std::span<const double> max_corrections, double depth_share,
                                    std::span<const double> half_thickness, std::span<const Vec3> ejected,
                                    std::span<const Vec3> ways, std::span<ColliderContactState> states,
                                    std::span<StepVertex> vertices) {
   if (colliders.empty()) return {};
-  return Projection(colliders, step, max_corrections, part_out, half_thickness, ejected, ways, states, vertices)
+  return Projection(colliders, step, max_corrections, depth_share, half_thickness, ejected, ways, states, vertices)
       .project();
 }
 

@@ -78,7 +78,7 @@ struct ColliderContacts {
 /// @param max_corrections  (n_vertices) [m] what starts the step inside by more than kContactGap of them comes out
 ///                         without speed, by so much a step: in one step the material would be pressed flat onto the
 ///                         surface
-/// @param part_out         but by no more than this part of its depth out of what stands still
+/// @param depth_share         but by no more than this part of its depth out of what stands still
 /// @param half_thickness   (n_vertices) by which cloth is held off [m]; empty: all is thin
 /// @param ejected          (n_vertices) by how much contacts sent vertices out of bodies [m]: friction does not count
 ///                         it as sliding
@@ -86,7 +86,7 @@ struct ColliderContacts {
 ///                         that would come out against its way waits: the body would hook around the solid
 /// @param states           (n_vertices x n_colliders); updated. What is_let_in is not pushed
 ColliderContacts project_colliders(std::span<const PreparedCollider> colliders, const Step& step,
-                                   std::span<const double> max_corrections, double part_out,
+                                   std::span<const double> max_corrections, double depth_share,
                                    std::span<const double> half_thickness, std::span<const Vec3> ejected,
                                    std::span<const Vec3> ways, std::span<ColliderContactState> states,
                                    std::span<StepVertex> vertices);

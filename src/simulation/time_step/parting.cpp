@@ -13,7 +13,7 @@ constexpr double kPartingTime = 0.25, kPartingDamping = 100;
 /// Part of a body's size by which its box is larger on all sides: bodies may be out of one another by that way before
 /// the last step in which others were inside.
 constexpr double kPartingGap = 0.25;
-/// See Parting::part_out(). With twice as much some stay caught in walls on several sides.
+/// See Parting::depth_share(). With twice as much some stay caught in walls on several sides.
 constexpr double kDepthShare = 0.05;
 
 }  // namespace
@@ -58,7 +58,7 @@ bool Parting::is_any(const State& state) const {
          std::any_of(times.begin(), times.end(), [](double time) { return time < 0; });
 }
 
-double Parting::part_out(const State& state) const {
+double Parting::depth_share(const State& state) const {
   return is_any(state) ? kDepthShare : 1;
 }
 

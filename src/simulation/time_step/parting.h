@@ -32,7 +32,7 @@ class Parting {
   /// part, those that are deeper come out by more, so that elements keep their order: where all come out alike, those
   /// that are out wait on the surface, and the elements behind them are pressed flat between these and the rest, which
   /// little undoes.
-  double part_out(const State& state) const;
+  double depth_share(const State& state) const;
 
   /// O(contacts), and O(n + bodies^2) while bodies part.
   /// @param start     (n_pieces) at the start of the step

@@ -126,7 +126,7 @@ void TimeStep::begin(const State& state, std::span<const Vec3> external_forces) 
   if (!gate_) return;
   const DrawOff::Input input{*contact_finder_, model_, free_momentum_.pieces(), colliders_, step_, max_corrections_};
   draw_off_.begin();
-  part_out_ = parting_.part_out(state);
+  depth_share_ = parting_.depth_share(state);
   if (parting_.is_any(state)) draw_off_.leave_solids(input, collider_surface_, collider_states_, vertices());
   draw_off_.leave_edges(input, vertices());
   for (const Index v : draw_off_.vertices()) free_momentum_.hold(v);
@@ -313,7 +313,7 @@ void TimeStep::hold_back() {
 
 void TimeStep::project_colliders() {
   no_impacts_ = false;
-  collider_contacts_.add(selvage::project_colliders(colliders_, step_, max_corrections_, part_out_, half_thickness_,
+  collider_contacts_.add(selvage::project_colliders(colliders_, step_, max_corrections_, depth_share_, half_thickness_,
                                                     ejected_, draw_off_.ways_off_edges(), collider_states_,
                                                     vertices()));
   statistics_.collider_contacts = std::ssize(collider_contacts_.pushed);

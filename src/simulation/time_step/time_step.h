@@ -131,7 +131,7 @@ class TimeStep {
   std::optional<Sleep> sleep_;                   ///< none where nothing sleeps
   std::optional<StepGate> gate_;                 ///< none where nothing is held back
   DrawOff draw_off_;
-  double part_out_ = 1;  ///< see project_colliders()
+  double depth_share_ = 1;  ///< see project_colliders()
 
   bool no_impacts_ = false;  ///< on the way to where vertices are now
   std::vector<double> max_corrections_;
