@@ -78,7 +78,7 @@ struct ColliderContacts {
 /// @param max_corrections  (n_vertices) [m] what starts the step inside by more than kContactGap of them comes out
 ///                         without speed, by so much a step: in one step the material would be pressed flat onto the
 ///                         surface
-/// @param depth_share         but by no more than this part of its depth out of what stands still
+/// @param depth_share      but by no more than this part of its depth out of what stands still
 /// @param half_thickness   (n_vertices) by which cloth is held off [m]; empty: all is thin
 /// @param ejected          (n_vertices) by how much contacts sent vertices out of bodies [m]: friction does not count
 ///                         it as sliding
