@@ -37,7 +37,7 @@ struct StepOptions {
   /// slide together, and sleep too where they only tremble in their places for three seconds; the spin of a body alone
   /// on a collider is damped, as by a rolling resistance of 3%. 0: nothing sleeps.
   double sleep_speed = 0;
-  double max_speed = std::numeric_limits<double>::infinity();  ///< [m/s]
+  double max_speed = std::numeric_limits<double>::infinity();  ///< with which a vertex ends a step [m/s]
   /// Of bodies on one another and on themselves; colliders have their own.
   Friction friction{.static_coefficient = 0.3, .dynamic_coefficient = 0.2};
   ContactOptions contact{};  ///< of bodies with one another and with themselves
