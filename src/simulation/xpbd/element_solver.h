@@ -148,9 +148,11 @@ SELVAGE_INLINE void fetch(const ElementBatch& batch, int lane) {
 }
 
 /// Solves the deviatoric and the hydrostatic constraint of elements one after the other. XPBD, with one term more in
-/// the denominator: a quarter of the squared residual times what the gradients weigh at rest. By it no vertex moves
-/// farther than an element at rest is large, however flat the element is now and however small its gradients; near rest
-/// it is nothing, and where the residual is zero it changes nothing.
+/// the denominator: a quarter of the squared residual, at most 1, times what the gradients weigh at rest. By it no
+/// vertex of a flat element, whose gradients are small, moves farther than the element at rest is large; near rest it
+/// is nothing, and where the residual is zero it changes nothing. Without the most it would hold back elements that are
+/// drawn out, too, the more the longer they are: small ones in a body that falls past many of their edges in a step
+/// would stay behind for good.
 template <bool kDeviatoric, bool kDamped, bool kFirst>
 class ElementSolver {
  public:
@@ -257,6 +259,12 @@ class ElementSolver {
     }
   }
 
+  /// The term by which no vertex of a flat element moves far.
+  SELVAGE_INLINE static WideDouble bound_moves(const Elements& of) {
+    const WideDouble quarter = constant(0.25) * (of.constraint.residual * of.constraint.residual);
+    return select_less(quarter, constant(1), quarter, constant(1)) * of.weight;
+  }
+
   /// The residual's share by damping.
   SELVAGE_INLINE WideDouble damp(const Elements& of) const {
     const auto& [edges, gradients, sum, residual, rate, squared, value, compliance, scale] = of.constraint;
@@ -299,8 +307,7 @@ class ElementSolver {
     residual = squared;
     if constexpr (!kFirst) residual = residual + value * (compliance * WideDouble::load(multiplier));
     if constexpr (kDamped) residual = residual + rate;
-    const WideDouble denominator = (kDamped ? share_ * stiffness : stiffness) + squared * compliance +
-                                   constant(0.25) * (residual * residual) * of.weight;
+    const WideDouble denominator = (kDamped ? share_ * stiffness : stiffness) + squared * compliance + bound_moves(of);
     scale = residual / denominator;
     reduce_multiplier(multiplier, scale * value);
   }
@@ -321,8 +328,7 @@ class ElementSolver {
     const WideDouble inverse_volume = of.inverse_volume();
     sum = sum_of(areas);
     const WideDouble stiffness = inverse_volume * inverse_volume * weigh_gradients(of.corners, areas, sum);
-    const WideDouble denominator =
-        (kDamped ? share_ * stiffness : stiffness) + compliance + constant(0.25) * (residual * residual) * of.weight;
+    const WideDouble denominator = (kDamped ? share_ * stiffness : stiffness) + compliance + bound_moves(of);
     const WideDouble by = residual / max(denominator, constant(kMinDenominator));
     reduce_multiplier(of.batch.multipliers[1] + of.lane, by);
     scale = by * inverse_volume;
