@@ -225,7 +225,7 @@ class Twin {
     }
     // Of the constraint's half square where it is deviatoric: see element_solver.h.
     const double scale = c.is_volume ? 1 : std::max(c.value(x), 1e-15);
-    const double bound = std::min(residual * residual / 4, 1 / (scale * scale)) * c.rest_weight;
+    const double bound = std::min(residual * residual / 4, 16 / (scale * scale)) * c.rest_weight;
     const double change = -residual / ((1 + damping) * weight + compliance + bound);
     multiplier += change;
     for (std::size_t i = 0; i < x.size(); ++i) {

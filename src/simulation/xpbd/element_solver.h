@@ -15,6 +15,8 @@ using Wide3 = LaneVec3<WideDouble>;
 inline constexpr double kMinSquaredStrain = 1e-30;
 /// In place of a denominator of zero: that of a rigid constraint between pinned vertices, which never move.
 inline constexpr double kMinDenominator = 1e-100;
+/// A quarter of the squared residual of an element that is a mirror image of what it was at rest.
+inline constexpr double kMostHeldBack = 16;
 /// Share of the hydrostatic compliance that inverted elements have: see MaterialSolver::turn_back().
 inline constexpr double kInvertedCompliance = 1e-3;
 
@@ -148,10 +150,10 @@ SELVAGE_INLINE void fetch(const ElementBatch& batch, int lane) {
 }
 
 /// Solves the deviatoric and the hydrostatic constraint of elements one after the other. XPBD, with one term more in
-/// the denominator: a quarter of the squared residual, at most 1, times what the gradients weigh at rest. By it no
-/// vertex of a flat element, whose gradients are small, moves farther than the element at rest is large; near rest it
-/// is nothing, and where the residual is zero it changes nothing. Without the most it would hold back elements that are
-/// drawn out, too, the more the longer they are: small ones in a body that falls past many of their edges in a step
+/// the denominator: a quarter of the squared residual, or kMostHeldBack, times what the gradients weigh at rest. By it
+/// no vertex of a flat element, whose gradients are small, moves farther than the element at rest is large; near rest
+/// it is nothing, and where the residual is zero it changes nothing. Without a most it would hold back elements that
+/// are drawn out, too, the more the longer they are: small ones in a body that falls past many of their edges in a step
 /// would stay behind for good.
 template <bool kDeviatoric, bool kDamped, bool kFirst>
 class ElementSolver {
@@ -262,7 +264,8 @@ class ElementSolver {
   /// The term by which no vertex of a flat element moves far.
   SELVAGE_INLINE static WideDouble bound_moves(const Elements& of) {
     const WideDouble quarter = constant(0.25) * (of.constraint.residual * of.constraint.residual);
-    return select_less(quarter, constant(1), quarter, constant(1)) * of.weight;
+    const WideDouble most = constant(kMostHeldBack);
+    return select_less(quarter, most, quarter, most) * of.weight;
   }
 
   /// The residual's share by damping.
