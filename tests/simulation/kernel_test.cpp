@@ -223,9 +223,11 @@ class Twin {
       residual += damping * gradients[i].dot(x[i] - from[i]);
       weight += vertices[c.vertices[i]].inverse_mass * gradients[i].squaredNorm();
     }
-    // Of the constraint's half square where it is deviatoric: see element_solver.h.
+    // The squares of deviatoric constraints are solved: see element_solver.h.
     const double scale = c.is_volume ? 1 : std::max(c.value(x), 1e-15);
-    const double bound = std::min(residual * residual / 4, 16 / (scale * scale)) * c.rest_weight;
+    const bool is_far = std::abs(scale * c.value(x)) >= 8;
+    const double held = is_far ? 8 / scale : residual;
+    const double bound = held * held / 4 * c.rest_weight;
     const double change = -residual / ((1 + damping) * weight + compliance + bound);
     multiplier += change;
     for (std::size_t i = 0; i < x.size(); ++i) {

@@ -15,8 +15,8 @@ using Wide3 = LaneVec3<WideDouble>;
 inline constexpr double kMinSquaredStrain = 1e-30;
 /// In place of a denominator of zero: that of a rigid constraint between pinned vertices, which never move.
 inline constexpr double kMinDenominator = 1e-100;
-/// A quarter of the squared residual of an element that is a mirror image of what it was at rest.
-inline constexpr double kMostHeldBack = 16;
+/// Residual of an element that is a mirror image of itself at rest: none that is distorted more is held back more.
+inline constexpr double kMaxDistortion = 8;
 /// Share of the hydrostatic compliance that inverted elements have: see MaterialSolver::turn_back().
 inline constexpr double kInvertedCompliance = 1e-3;
 
@@ -60,8 +60,9 @@ struct Constraint {
   Wide3 gradients[3];  ///< of vertices 1 to 3
   Wide3 sum;           ///< of them: the gradient of vertex 0 the other way
   WideDouble residual;
-  WideDouble rate;            ///< the residual's share by damping
-  WideDouble squared, value;  ///< deviatoric: C^2 and C
+  WideDouble rate;     ///< the residual's share by damping
+  WideDouble squared;  ///< deviatoric: C^2
+  WideDouble value;    ///< C
   WideDouble compliance;
   WideDouble scale;  ///< vertices move against their gradients by so much, times inverse mass
 };
@@ -150,11 +151,11 @@ SELVAGE_INLINE void fetch(const ElementBatch& batch, int lane) {
 }
 
 /// Solves the deviatoric and the hydrostatic constraint of elements one after the other. XPBD, with one term more in
-/// the denominator: a quarter of the squared residual, or kMostHeldBack, times what the gradients weigh at rest. By it
-/// no vertex of a flat element, whose gradients are small, moves farther than the element at rest is large; near rest
-/// it is nothing, and where the residual is zero it changes nothing. Without a most it would hold back elements that
-/// are drawn out, too, the more the longer they are: small ones in a body that falls past many of their edges in a step
-/// would stay behind for good.
+/// the denominator: a quarter of the squared residual times what the gradients weigh at rest. By it no vertex of a flat
+/// element, whose gradients are small, moves farther than the element at rest is large; near rest it is nothing, and
+/// where the residual is zero it changes nothing. From kMaxDistortion on it grows no more: else it would hold back
+/// elements that are drawn out, the more the longer they are, and small ones in a body that falls past many of their
+/// edges in a step would stay behind for good.
 template <bool kDeviatoric, bool kDamped, bool kFirst>
 class ElementSolver {
  public:
@@ -262,10 +263,11 @@ class ElementSolver {
   }
 
   /// The term by which no vertex of a flat element moves far.
-  SELVAGE_INLINE static WideDouble bound_moves(const Elements& of) {
-    const WideDouble quarter = constant(0.25) * (of.constraint.residual * of.constraint.residual);
-    const WideDouble most = constant(kMostHeldBack);
-    return select_less(quarter, most, quarter, most) * of.weight;
+  /// @param distortion  the residual without multiplier and damping
+  SELVAGE_INLINE static WideDouble bound_moves(const Elements& of, WideDouble distortion) {
+    const WideDouble residual = of.constraint.residual, most = constant(kMaxDistortion);
+    const WideDouble squared = select_less(abs(distortion), most, residual * residual, most * most);
+    return constant(0.25) * squared * of.weight;
   }
 
   /// The residual's share by damping.
@@ -310,7 +312,8 @@ class ElementSolver {
     residual = squared;
     if constexpr (!kFirst) residual = residual + value * (compliance * WideDouble::load(multiplier));
     if constexpr (kDamped) residual = residual + rate;
-    const WideDouble denominator = (kDamped ? share_ * stiffness : stiffness) + squared * compliance + bound_moves(of);
+    const WideDouble denominator =
+        (kDamped ? share_ * stiffness : stiffness) + squared * compliance + bound_moves(of, squared);
     scale = residual / denominator;
     reduce_multiplier(multiplier, scale * value);
   }
@@ -321,7 +324,8 @@ class ElementSolver {
     list_areas(edges, areas);
     const WideDouble volume = of.inverse_volume() * dot(edges[0], areas[0]);
     compliance = hydrostatic_compliance(of, volume);
-    residual = volume - constant(1);
+    value = volume - constant(1);
+    residual = value;
     if constexpr (!kFirst) residual = residual + compliance * WideDouble::load(of.batch.multipliers[1] + of.lane);
     if constexpr (kDamped) residual = residual + of.inverse_volume() * damp(of);
   }
@@ -331,7 +335,7 @@ class ElementSolver {
     const WideDouble inverse_volume = of.inverse_volume();
     sum = sum_of(areas);
     const WideDouble stiffness = inverse_volume * inverse_volume * weigh_gradients(of.corners, areas, sum);
-    const WideDouble denominator = (kDamped ? share_ * stiffness : stiffness) + compliance + bound_moves(of);
+    const WideDouble denominator = (kDamped ? share_ * stiffness : stiffness) + compliance + bound_moves(of, value);
     const WideDouble by = residual / max(denominator, constant(kMinDenominator));
     reduce_multiplier(of.batch.multipliers[1] + of.lane, by);
     scale = by * inverse_volume;
