@@ -15,7 +15,7 @@ using Wide3 = LaneVec3<WideDouble>;
 inline constexpr double kMinSquaredStrain = 1e-30;
 /// In place of a denominator of zero: that of a rigid constraint between pinned vertices, which never move.
 inline constexpr double kMinDenominator = 1e-100;
-/// Residual of an element that is a mirror image of itself at rest: none that is distorted more is held back more.
+/// Deviatoric residual of a mirror image of an element at rest: none that is distorted more is held back more.
 inline constexpr double kMaxDistortion = 8;
 /// Share of the hydrostatic compliance that inverted elements have: see MaterialSolver::turn_back().
 inline constexpr double kInvertedCompliance = 1e-3;
