@@ -1,5 +1,7 @@
+#include "scene/default_substeps.h"
+
 #include "elasticity/deformation_gradient.h"
-#include "scene/description/scene_description.h"
+#include "simulation/time_step/sleep.h"
 
 #include <algorithm>
 #include <array>
@@ -92,6 +94,34 @@ double substeps_for_blocks(const Model& model, double gravity, double frame_leng
   return steps;
 }
 
+/// How a body is pressed.
+enum class Pressure : std::uint8_t { kSlight, kThin, kCrushed };
+
+/// Thin: more than one in a thousand elements have less than a tenth of their volume. Crushed: all together have less
+/// than half of it.
+Pressure pressure_on(const Body& body, const Model& model, std::span<const Vec3> positions) {
+  constexpr double kThin = 0.1, kCrushed = 0.5;
+  constexpr std::int64_t kFew = 3, kShare = 1000;
+  std::int64_t thin = 0;
+  double volume = 0, at_rest = 0;
+  for (Index e = body.first_element; e < body.first_element + body.element_count; ++e) {
+    const auto& element = model.mesh.elements()[e];
+    const double now = element_volume(element, positions), rest = element_volume(element, model.rest_positions);
+    thin += now < kThin * rest ? 1 : 0;
+    volume += now;
+    at_rest += rest;
+  }
+  if (volume < kCrushed * at_rest) return Pressure::kCrushed;
+  return thin > kFew && kShare * thin > body.element_count ? Pressure::kThin : Pressure::kSlight;
+}
+
+/// By its halved steps how often those of a frame were halved.
+int halvings_of(const FrameStatistics& row, int substeps) {
+  int halvings = 0;
+  while (row.halved_steps >= substeps * ((std::int64_t{2} << halvings) - 1)) ++halvings;
+  return halvings;
+}
+
 }  // namespace
 
 int default_substeps(const Model& model, SolverKind solver, double frame_length, const StepOptions& options) {
@@ -119,6 +149,32 @@ int default_substeps(const Model& model, SolverKind solver, double frame_length,
   const double for_others = std::clamp(std::max({for_densities, for_loads, edges / kEdgesAStep}), least, kMaxSubsteps);
   const double for_blocks = substeps_for_blocks(model, options.gravity.norm(), frame_length);
   return static_cast<int>(std::ceil(std::max(for_others, std::min(for_blocks, kMaxSubstepsOfBlocks))));
+}
+
+int default_halvings(const Scene& scene, const State& state, std::span<const FrameStatistics> rows) {
+  constexpr int kMaxHalvings = 2, kMaxParts = 30;
+  const FrameStatistics& last = rows.back();
+  if (!scene.may_halve_steps ||
+      last.penetrating_vertices + last.penetrating_edges + last.triangle_pairs + last.vertices_in_colliders > 0)
+    return 0;
+  bool is_thin = false;
+  for (std::size_t b = 0; b < scene.model.bodies.size(); ++b) {
+    if (!state.rest_times.empty() && state.rest_times[b] >= kSleepTime) continue;
+    const Pressure pressure = pressure_on(scene.model.bodies[b], scene.model, state.positions);
+    if (pressure == Pressure::kCrushed) return 0;
+    is_thin |= pressure == Pressure::kThin;
+  }
+  const int now = halvings_of(last, scene.substeps);
+  const auto recent = [&](int share_of_second, auto&& holds) {
+    const auto frames = static_cast<std::size_t>(std::max(scene.frames_per_second / share_of_second, 1));
+    return rows.size() >= frames && std::all_of(rows.end() - frames, rows.end(), holds);
+  };
+  if (is_thin && scene.substeps << (now + 1) <= kMaxParts && now < kMaxHalvings &&
+      recent(4, [](const FrameStatistics& row) { return row.held_back_vertices > 0; }))
+    return now + 1;
+  if (!is_thin && recent(1, [&](const FrameStatistics& row) { return halvings_of(row, scene.substeps) == now; }))
+    return std::max(now - 1, 0);
+  return now;
 }
 
 }  // namespace selvage

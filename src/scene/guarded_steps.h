@@ -10,20 +10,27 @@ namespace selvage {
 
 /// Takes a scene from step to step. A step that cannot be guaranteed is taken in two of half its length, and so may
 /// each of these: what a fast collider drags along is then led a shorter way, and has room where it had none. Only what
-/// stays pinched in steps of a sixteenth is refused. The same bits for any number of threads, and after a stop, since
-/// solvers keep nothing that changes answers.
+/// stays pinched in steps of a sixteenth is refused. Steps can also be halved from the first on. The same bits for any
+/// number of threads, and after a stop, since solvers keep nothing that changes answers.
 class GuardedSteps {
  public:
   /// @param scene         must outlive this
   /// @param with_contact  false: bodies pass through one another
   GuardedSteps(const Scene& scene, bool with_contact) : scene_(scene), with_contact_(with_contact) {}
 
-  /// @param use  called with the solver after each part of the step that it has taken
-  /// @returns    how many steps, of whatever length, were halved
-  /// @throws PinchError  that of the whole step; the state is then of no use
+  /// @param halvings  0 to 4: how often the step is halved in any case
+  /// @param use       called with the solver after each part of the step that it has taken
+  /// @returns         how many steps, of whatever length, were halved
+  /// @throws PinchError  that of the longest step that was tried; the state is then of no use
   template <typename Use>
-  std::int64_t step(State& state, Use&& use) {
-    return take(state, 0, use);
+  std::int64_t step(State& state, int halvings, Use&& use) {
+    // Time is counted in steps.
+    const std::int64_t parts = std::int64_t{1} << halvings;
+    std::int64_t halved = parts - 1;
+    state.steps *= parts;
+    for (std::int64_t part = 0; part < parts; ++part) halved += take(state, halvings, use);
+    state.steps /= parts;
+    return halved;
   }
 
  private:
@@ -39,7 +46,6 @@ class GuardedSteps {
     } catch (const PinchError&) {
       if (halvings == kMaxHalvings) throw;
       try {
-        // Time is counted in steps.
         state.steps *= 2;
         const std::int64_t first = take(state, halvings + 1, use), second = take(state, halvings + 1, use);
         state.steps /= 2;

@@ -1,6 +1,7 @@
 #include "selvage/scene/run.h"
 
 #include "core/timed.h"
+#include "scene/default_substeps.h"
 #include "scene/fingerprint.h"
 #include "scene/frame_measures.h"
 #include "scene/guarded_steps.h"
@@ -108,12 +109,14 @@ class SceneSimulation {
       : scene_(scene), options_(options), measures_(scene), held_(scene) {}
 
   /// Takes the state to the end of the frame.
-  FrameStatistics run_frame(State& state, std::int64_t frame) {
+  /// @param rows  of all frames before
+  FrameStatistics run_frame(State& state, std::int64_t frame, std::span<const FrameStatistics> rows) {
     GuardedSteps& steps = steps_of(frame);
+    const int halvings = default_halvings(scene_, state, rows);
     FrameStatistics row;
     timed(row.seconds_frame, [&] {
       for (int step = 0; step < scene_.substeps; ++step)
-        row.halved_steps += steps.step(state, [&](const SceneSolver& solver) {
+        row.halved_steps += steps.step(state, halvings, [&](const SceneSolver& solver) {
           add_step(solver.statistics(), row);
           row.objective = solver.objective();
           if (options_.on_step)
@@ -154,7 +157,7 @@ void stop(RunReport& report, RunOutcome outcome, std::int64_t frame, const std::
 /// Runs one frame; false when the run ends with it.
 bool advance(SceneSimulation& simulation, std::int64_t frame, State& state, RunReport& report) {
   try {
-    report.frames.push_back(simulation.run_frame(state, frame));
+    report.frames.push_back(simulation.run_frame(state, frame, report.frames));
   } catch (const SystemError&) {
     throw;
   } catch (const PinchError& error) {

@@ -1,6 +1,7 @@
 #include "selvage/scene/scene.h"
 
 #include "io/whole_file.h"
+#include "scene/default_substeps.h"
 #include "scene/description/scene_description.h"
 #include "scene/fingerprint.h"
 #include "scene/keyframed_collider.h"
@@ -254,6 +255,7 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& path, std:
   scene.frames_per_second = description.frames_per_second;
   scene.substeps = description.substeps.value_or(
       default_substeps(scene.model, scene.solver, 1.0 / description.frames_per_second, description.options));
+  scene.may_halve_steps = !description.substeps && scene.solver == SolverKind::kXpbd;
   scene.options.time_step = 1.0 / (static_cast<double>(scene.frames_per_second) * scene.substeps);
   scene.contact_from_frame = description.contact_from_frame;
   scene.fingerprint = fingerprint_of(description, scene);

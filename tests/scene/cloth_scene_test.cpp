@@ -133,7 +133,7 @@ TEST_P(ShippedClothScene, StaysFree) {
   const std::int64_t frames = test::scaled(run.frames, 6);
   for (std::int64_t step = 0; step < frames * scene.substeps; ++step) {
     std::vector<Vec3> before = state.positions;
-    steps.step(state, [&](const SceneSolver& solver) {  // after each part, where the lid leaves room for these only
+    steps.step(state, 0, [&](const SceneSolver& solver) {  // after each part, where the lid leaves room for these only
       EXPECT_TRUE(ContinuousCollisionFinder(surface, before, state.positions).find_pairs().empty()) << "step " << step;
       before = state.positions;
       EXPECT_EQ(solver.statistics().unguarded_vertices, 0);

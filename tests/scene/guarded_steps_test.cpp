@@ -35,7 +35,7 @@ TEST(GuardedSteps, HalveAStepThatCannotBeGuaranteedAndNothingMeetsInItsParts) {
   std::array<int, 2> parts{}, halved{};
   for (int step = 0; step < 2; ++step) {
     std::vector<Vec3> last = state.positions;
-    halved[step] = static_cast<int>(steps.step(state, [&](const SceneSolver&) {
+    halved[step] = static_cast<int>(steps.step(state, 0, [&](const SceneSolver&) {
       ++parts[step];
       EXPECT_TRUE(ContinuousCollisionFinder(surface, last, state.positions).find_pairs().empty()) << step;
       last = state.positions;

@@ -34,6 +34,24 @@ TEST(SceneMeshes, RodsFollowCurves) {
   EXPECT_THROW(shape_along_curve("bow"), Error);
 }
 
+TEST(SceneMeshes, ClothHasTwoLengths) {
+  EXPECT_EQ(scene_of_mesh(R"({"shape": "cloth", "size": [2, 1], "cell": 0.5})").model.rest_positions,
+            scene_of_mesh(R"({"shape": "cloth", "size": [2, 1, 0], "cell": 0.5})").model.rest_positions);
+  EXPECT_NE(refused_mesh(R"({"shape": "cloth", "size": [2, 0]})").find("mesh.size[1]"), std::string::npos);
+  EXPECT_NE(refused_mesh(R"({"shape": "box", "size": [2, 1]})").find("use [x, y, z]"), std::string::npos);
+}
+
+TEST(SceneMeshes, ATwistWithoutCrossingsThrowsNoLoop) {
+  const auto twisted = [](const std::string& crossings) {
+    return scene_of_mesh(R"({"shape": "beam", "size": [20, 0.5, 0.5], "cell": 0.5})",
+                         R"(, "poses": [{"pose": "twist", "axis": "x", "turns": 0.25)" + crossings + "}]");
+  };
+  const Scene scene = twisted(R"(, "crossings": 0)");
+  for (std::size_t v = 0; v < scene.model.rest_positions.size(); ++v)
+    EXPECT_NEAR(scene.initial_state.positions[v][0], scene.model.rest_positions[v][0], 1e-12);
+  EXPECT_NE(twisted("").initial_state.positions, scene.initial_state.positions);
+}
+
 TEST(SceneMeshes, CentreComesBeforeRegionsAndPlaces) {
   const Scene scene =
       scene_of_mesh(R"({"shape": "box", "size": [2, 4, 6], "cell": 1, "centre": true})",

@@ -21,12 +21,13 @@ struct FrameStatistics {
   std::int64_t held_back_vertices = 0;               ///< see StepStatistics, over all steps
   std::int64_t impacts_met = 0, impacts_left = 0;    ///< likewise
   std::int64_t unguarded_vertices = 0;               ///< likewise, the most of all steps
-  std::int64_t halved_steps = 0;                     ///< that could be guaranteed only in two of half their length
-  std::int64_t sleeping_bodies = 0;                  ///< in the last step: StepOptions::sleep_speed
-  std::int64_t constraints = 0;                      ///< of the material, over all iterations
-  std::int64_t newton_steps = 0;                     ///< of the implicit solvers: see StepStatistics
-  std::int64_t linear_iterations = 0;                ///< likewise
-  double residual = 0;                               ///< likewise, the largest of all steps [m]
+  /// Taken in two of half their length: Scene::may_halve_steps, or to guarantee them; halves that are halved count too.
+  std::int64_t halved_steps = 0;
+  std::int64_t sleeping_bodies = 0;    ///< in the last step: StepOptions::sleep_speed
+  std::int64_t constraints = 0;        ///< of the material, over all iterations
+  std::int64_t newton_steps = 0;       ///< of the implicit solvers: see StepStatistics
+  std::int64_t linear_iterations = 0;  ///< likewise
+  double residual = 0;                 ///< likewise, the largest of all steps [m]
 
   // At the end of the frame.
   std::int64_t penetrating_vertices = 0;  ///< boundary vertices inside an element that is not theirs

@@ -29,6 +29,8 @@ struct Scene {
   int frames = 60;             ///< to run, if nothing else is asked for
   int frames_per_second = 60;  ///< each of `substeps` steps
   int substeps = 5;
+  /// Whether run_scene() takes steps in halves and quarters while bodies are pressed thin: where xpbd chooses substeps.
+  bool may_halve_steps = false;
   std::int64_t contact_from_frame = 0;  ///< until then bodies pass through themselves and one another
   /// Of all that decides a run: two scenes with the same fingerprint run alike.
   std::uint64_t fingerprint = 0;

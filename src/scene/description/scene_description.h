@@ -146,25 +146,6 @@ Motion read_motion(const JsonValue& value);
 ColliderDescription read_collider(const JsonValue& value, const std::filesystem::path& folder);
 void read_contact(const JsonValue& value, SceneDescription& scene);
 
-/// Steps a frame where the scene gives none: 5; with XPBD 10 where there is cloth, which is stiff for its weight, up to
-/// 50 where cloth has more to carry than these can, densities differ or a body is thrown faster, and up to 200 where
-/// compact bodies may have to carry one another.
-///
-/// XPBD carries what lies on a body by as much as the material moves the body's surface back in a step: for a load, as
-/// much as the step's length squared over the mass of that surface. Where densities differ more than fivefold, steps
-/// are shorter by the root. What carries much, is small or has small elements gives way like a softer body, and a tower
-/// of such falls: steps are so many that one stands of each compact body under the densest other. A contact moves the
-/// heavier of two by little, so that a sheet that hangs is stretched until what it moves back in a step is enough. A
-/// ball of 600 times the mass for its size of the sheet that catches it takes 19 steps, one of 3,600 times 47: by 10
-/// the sheet is stretched by hundreds of times the energy of the fall.
-///
-/// A body that flies past more than one of its edges in a step and hits something is held back before its elements can
-/// be pressed, and stops dead where it should spring back: by its velocity at the start no body flies past more than
-/// half of one.
-///
-/// @param frame_length  [s]
-int default_substeps(const Model& model, SolverKind solver, double frame_length, const StepOptions& options);
-
 /// Refuses a scene in which a body starts outside a container or inside any other collider, by more than rounding of
 /// its place. Vertices that a handle holds may: pins stand in floors.
 ///

@@ -22,11 +22,18 @@ std::string where_of(const JsonValue& value) {
   return value.file() + ": " + value.path();
 }
 
-ShapeOptions read_shape_options(JsonObject& object) {
+/// Three lengths, or two of cloth.
+Vec3 read_size(const JsonValue& value, bool is_cloth) {
+  if (!is_cloth || !value.json().is_array() || value.json().size() != 2) return value.vector();
+  const std::vector<JsonValue> lengths = value.items();
+  return {lengths[0].number(kPositive), lengths[1].number(kPositive), 0};
+}
+
+ShapeOptions read_shape_options(JsonObject& object, std::string_view shape) {
   ShapeOptions options;
   if (const auto v = object.find("cell")) options.cell = v->number(kPositive);
   if (const auto v = object.find("elements")) options.elements = v->integer(1, std::int64_t{1} << 29);
-  if (const auto v = object.find("size")) options.size = v->vector();
+  if (const auto v = object.find("size")) options.size = read_size(*v, shape == "cloth");
   if (const auto v = object.find("length")) options.length = v->number(kPositive);
   if (const auto v = object.find("radius")) options.radius = v->number(kPositive);
   if (const auto v = object.find("inner_radius")) options.inner_radius = v->number(kPositive);
@@ -61,7 +68,7 @@ NamedPose read_pose(const JsonValue& value) {
   if (const auto v = object.find("axis")) pose.options.axis = static_cast<int>(v->choice(kAxes));
   if (const auto v = object.find("turns")) pose.options.turns = v->any_number();
   if (const auto v = object.find("degrees")) pose.options.angle = radians(v->any_number());
-  if (const auto v = object.find("crossings")) pose.options.crossings = static_cast<int>(v->integer(1, 1'000'000));
+  if (const auto v = object.find("crossings")) pose.options.crossings = static_cast<int>(v->integer(0, 1'000'000));
   if (const auto v = object.find("core")) pose.options.core = v->any_number();
   object.refuse_others();
   return pose;
@@ -153,7 +160,7 @@ MeshSource read_mesh_source(const JsonValue& value, const std::filesystem::path&
       const auto curves = curve_names();
       source.shape = shape_along_curve(curves[v->choice(curves)]);
     }
-    source.options = read_shape_options(object);
+    source.options = read_shape_options(object, source.shape);
   }
   if (const auto v = object.find("centre")) source.centre = v->boolean();
   object.refuse_others();

@@ -11,8 +11,8 @@ namespace selvage {
 
 namespace {
 
-/// [s] for which a group is slow before it is damped, and before it sleeps.
-constexpr double kSettleTime = 0.1, kSleepTime = 0.5;
+/// [s] for which a group is slow before it is damped.
+constexpr double kSettleTime = 0.1;
 /// A group of several bodies slower than so many times the speed at which they sleep is damped but for its common
 /// velocity, and the spin of a body alone on a collider is [1/s].
 constexpr double kSettlingSpeeds = 6, kSettlingDamping = 5;

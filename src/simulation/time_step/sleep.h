@@ -6,6 +6,9 @@
 
 namespace selvage {
 
+/// State::rest_times from which on a body sleeps [s].
+inline constexpr double kSleepTime = 0.5;
+
 /// Bodies that stand still until something reaches them. Contacts that are solved step by step leave a heap trembling;
 /// so what has come to rest is held.
 ///
