@@ -153,6 +153,7 @@ int default_substeps(const Model& model, SolverKind solver, double frame_length,
 
 int default_halvings(const Scene& scene, const State& state, std::span<const FrameStatistics> rows) {
   constexpr int kMaxHalvings = 2, kMaxParts = 30;
+  constexpr double kPatience[kMaxHalvings] = {0.25, 1}, kCalm = 1;  // [s]
   const FrameStatistics& last = rows.back();
   if (!scene.may_halve_steps ||
       last.penetrating_vertices + last.penetrating_edges + last.triangle_pairs + last.vertices_in_colliders > 0)
@@ -165,15 +166,16 @@ int default_halvings(const Scene& scene, const State& state, std::span<const Fra
     is_thin |= pressure == Pressure::kThin;
   }
   const int now = halvings_of(last, scene.substeps);
-  const auto recent = [&](int share_of_second, auto&& holds) {
-    const auto frames = static_cast<std::size_t>(std::max(scene.frames_per_second / share_of_second, 1));
-    return rows.size() >= frames && std::all_of(rows.end() - frames, rows.end(), holds);
+  const auto all_of_last = [&](double seconds, auto&& holds) {
+    const auto frames = static_cast<std::size_t>(std::ceil(seconds * scene.frames_per_second));
+    return rows.size() >= frames && std::all_of(rows.end() - frames, rows.end(), [&](const FrameStatistics& row) {
+             return halvings_of(row, scene.substeps) == now && holds(row);
+           });
   };
-  if (is_thin && scene.substeps << (now + 1) <= kMaxParts && now < kMaxHalvings &&
-      recent(4, [](const FrameStatistics& row) { return row.held_back_vertices > 0; }))
+  if (is_thin && now < kMaxHalvings && scene.substeps << (now + 1) <= kMaxParts &&
+      all_of_last(kPatience[now], [](const FrameStatistics& row) { return row.held_back_vertices > 0; }))
     return now + 1;
-  if (!is_thin && recent(1, [&](const FrameStatistics& row) { return halvings_of(row, scene.substeps) == now; }))
-    return std::max(now - 1, 0);
+  if (!is_thin && now > 0 && all_of_last(kCalm, [](const FrameStatistics&) { return true; })) return now - 1;
   return now;
 }
 

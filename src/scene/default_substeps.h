@@ -30,10 +30,10 @@ int default_substeps(const Model& model, SolverKind solver, double frame_length,
 /// A body may need shorter steps while it is pressed than it takes at rest. Three iterations do not carry the pressure
 /// through its elements then: they end the step inverted, are held back, and so in the next one, for good. So where
 /// vertices have been held back in each frame of the last quarter of a second, and more than one in a thousand elements
-/// of a body that is awake, and at least four, have less than a tenth of their volume, steps are halved once more from
-/// frame to frame, at most twice and to 30 a frame. They are doubled a second after nothing is thin, and again after
-/// another. They are whole where bodies were in one another or in colliders at the end of the last frame, or one has
-/// less than half of its volume: steps cost most there, and shorter ones make no room.
+/// of a body that is awake, and at least four, have less than a tenth of their volume, steps are halved; and again
+/// after another second like that, if a frame has no more than 30 then. They are doubled a second after nothing is
+/// thin. They are whole where bodies were in one another or in colliders at the end of the last frame, or one has less
+/// than half of its volume: steps cost most there, and shorter ones make no room.
 ///
 /// Source of these numbers: docs/notes/simulation.md. O(n).
 ///

@@ -11,7 +11,8 @@ namespace {
 
 using test::TemporaryFolder;
 
-constexpr int kFrames = 60;  ///< a second
+/// A second, and a quarter.
+constexpr int kFrames = 60, kQuarter = 15;
 
 /// Two boxes of 48 elements with other values of the scene.
 Scene boxes(const std::string& values = "") {
@@ -37,16 +38,17 @@ std::vector<FrameStatistics> rows_of(const Scene& scene, int frames, int halving
   return std::vector<FrameStatistics>(frames, row);
 }
 
-TEST(DefaultHalvings, RiseWhileThinElementsAreHeldBackForAQuarterOfASecond) {
+TEST(DefaultHalvings, RiseWhileThinElementsAreHeldBack) {
   const Scene scene = boxes();
   ASSERT_EQ(scene.substeps, 5);
   const State state = pressed(scene);
-  EXPECT_EQ(default_halvings(scene, state, rows_of(scene, 15, 0)), 1);
-  EXPECT_EQ(default_halvings(scene, state, rows_of(scene, 15, 1)), 2);
+  EXPECT_EQ(default_halvings(scene, state, rows_of(scene, kQuarter, 0)), 1);
+  EXPECT_EQ(default_halvings(scene, state, rows_of(scene, kFrames, 1)), 2);
   EXPECT_EQ(default_halvings(scene, state, rows_of(scene, 90, 2)), 2);
-  EXPECT_EQ(default_halvings(scene, state, rows_of(scene, 14, 0)), 0);  // too soon
+  EXPECT_EQ(default_halvings(scene, state, rows_of(scene, kQuarter - 1, 0)), 0);  // too soon
+  EXPECT_EQ(default_halvings(scene, state, rows_of(scene, kFrames - 1, 1)), 1);
   EXPECT_EQ(default_halvings(scene, state, rows_of(scene, 90, 1, 0)), 1);
-  EXPECT_EQ(default_halvings(scene, scene.initial_state, rows_of(scene, 15, 0)), 0);
+  EXPECT_EQ(default_halvings(scene, scene.initial_state, rows_of(scene, kQuarter, 0)), 0);
   std::vector<FrameStatistics> rows = rows_of(scene, 30, 0);
   rows[20].held_back_vertices = 0;
   EXPECT_EQ(default_halvings(scene, state, rows), 0);
@@ -67,7 +69,7 @@ TEST(DefaultHalvings, FallASecondAfterNothingIsThin) {
 TEST(DefaultHalvings, AreForStepsThatTheProgramChooses) {
   for (const char* values : {R"("substeps": 5, )", R"("solver": "newton", )", R"("solver": "vbd", )"}) {
     const Scene scene = boxes(values);
-    EXPECT_EQ(default_halvings(scene, pressed(scene), rows_of(scene, 15, 0)), 0) << values;
+    EXPECT_EQ(default_halvings(scene, pressed(scene), rows_of(scene, kQuarter, 0)), 0) << values;
   }
 }
 
@@ -77,7 +79,7 @@ TEST(DefaultHalvings, GiveAtMost30StepsAFrame) {
   for (const auto& [substeps, halvings] : {std::pair{7, 2}, {8, 1}, {15, 1}, {16, 0}, {50, 0}}) {
     scene.substeps = substeps;
     int now = 0;
-    for (int frame = 0; frame < 5; ++frame) now = default_halvings(scene, state, rows_of(scene, 15, now));
+    for (int frame = 0; frame < 5; ++frame) now = default_halvings(scene, state, rows_of(scene, kFrames, now));
     EXPECT_EQ(now, halvings) << substeps;
   }
 }
@@ -87,19 +89,19 @@ TEST(DefaultHalvings, AreNoneWhereBodiesAreInOneAnotherOrCrushedOrAsleep) {
   const State state = pressed(scene);
   for (const auto counted : {&FrameStatistics::penetrating_vertices, &FrameStatistics::penetrating_edges,
                              &FrameStatistics::triangle_pairs, &FrameStatistics::vertices_in_colliders}) {
-    std::vector<FrameStatistics> rows = rows_of(scene, 15, 1);
+    std::vector<FrameStatistics> rows = rows_of(scene, kFrames, 1);
     rows.back().*counted = 1;
     EXPECT_EQ(default_halvings(scene, state, rows), 0);
   }
   State crushed = state;
   for (Index v = scene.model.bodies[1].first_vertex; v < scene.model.mesh.vertex_count(); ++v)
     crushed.positions[v][2] *= 0.4;
-  EXPECT_EQ(default_halvings(scene, crushed, rows_of(scene, 15, 1)), 0);
+  EXPECT_EQ(default_halvings(scene, crushed, rows_of(scene, kFrames, 1)), 0);
   State asleep = state;
   asleep.rest_times = {1, 0};
-  EXPECT_EQ(default_halvings(scene, asleep, rows_of(scene, 15, 0)), 0);
+  EXPECT_EQ(default_halvings(scene, asleep, rows_of(scene, kQuarter, 0)), 0);
   asleep.rest_times = {0, 1};
-  EXPECT_EQ(default_halvings(scene, asleep, rows_of(scene, 15, 0)), 1);
+  EXPECT_EQ(default_halvings(scene, asleep, rows_of(scene, kQuarter, 0)), 1);
 }
 
 /// A handle presses the middle of a box almost onto the floor.
@@ -122,7 +124,7 @@ TEST(DefaultHalvings, EndInTheSameBitsForAnyNumberOfThreadsAndAfterAStop) {
   const RunReport report = run(whole, 27, 1, false);
   ASSERT_EQ(report.outcome, RunOutcome::kFinished) << report.message;
   EXPECT_EQ(report.frames[12].halved_steps, 0);
-  EXPECT_EQ(report.frames[27].halved_steps, 3 * scene.substeps);  // quarters
+  EXPECT_EQ(report.frames[27].halved_steps, scene.substeps);
   EXPECT_EQ(report.frames[27].steps, 27 * scene.substeps);
   run(stopped, 24, 2, false);
   EXPECT_EQ(run(stopped, 27, 2, true).fingerprint, report.fingerprint);

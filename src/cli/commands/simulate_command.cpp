@@ -206,7 +206,10 @@ void print_summary(const SimulateOptions& options, const Scene& scene, const Run
   table.add("frames", report.first_frame > 0
                           ? fmt::format("{}, {} of them now, continued from {}", last.frame, run, report.first_frame)
                           : fmt::format("{}", last.frame));
-  table.add("steps", fmt::format("{} of {:.3g} s, {}", grouped(last.steps), scene.options.time_step,
+  std::int64_t halved = 0;
+  for (const FrameStatistics& row : report.frames) halved += row.halved_steps;
+  table.add("steps", fmt::format("{} of {:.3g} s{}, {}", grouped(last.steps), scene.options.time_step,
+                                 halved > 0 ? fmt::format(" ({} halved)", grouped(halved)) : "",
                                  solver_text(scene, report)));
   if (scene.options.contact.guarantee) table.add("guarantee", guarantee_text(report));
   add_crossings(scene, report.crossings, table);
