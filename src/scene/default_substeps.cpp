@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <set>
@@ -152,12 +153,7 @@ int default_substeps(const Model& model, SolverKind solver, double frame_length,
 }
 
 int default_halvings(const Scene& scene, const State& state, std::span<const FrameStatistics> rows) {
-  constexpr int kMaxHalvings = 2, kMaxParts = 30;
-  constexpr double kPatience[kMaxHalvings] = {0.25, 1}, kCalm = 1;  // [s]
-  const FrameStatistics& last = rows.back();
-  if (!scene.may_halve_steps ||
-      last.penetrating_vertices + last.penetrating_edges + last.triangle_pairs + last.vertices_in_colliders > 0)
-    return 0;
+  if (!scene.may_halve_steps) return 0;
   bool is_thin = false;
   for (std::size_t b = 0; b < scene.model.bodies.size(); ++b) {
     if (!state.rest_times.empty() && state.rest_times[b] >= kSleepTime) continue;
@@ -165,17 +161,24 @@ int default_halvings(const Scene& scene, const State& state, std::span<const Fra
     if (pressure == Pressure::kCrushed) return 0;
     is_thin |= pressure == Pressure::kThin;
   }
-  const int now = halvings_of(last, scene.substeps);
+  const FrameStatistics& last = rows.back();
+  const auto halvings = [&](const FrameStatistics& row) { return halvings_of(row, scene.substeps); };
+  const int now = halvings(last);
   const auto all_of_last = [&](double seconds, auto&& holds) {
     const auto frames = static_cast<std::size_t>(std::ceil(seconds * scene.frames_per_second));
     return rows.size() >= frames && std::all_of(rows.end() - frames, rows.end(), [&](const FrameStatistics& row) {
-             return halvings_of(row, scene.substeps) == now && holds(row);
+             return halvings(row) == now && holds(row);
            });
   };
-  if (is_thin && now < kMaxHalvings && scene.substeps << (now + 1) <= kMaxParts &&
+  constexpr int kMaxHalvings = 2, kMaxParts = 30;
+  constexpr double kPatience[kMaxHalvings] = {0.25, 1}, kCalm = 1;  // [s]
+  const bool is_free =
+      last.penetrating_vertices + last.penetrating_edges + last.triangle_pairs + last.vertices_in_colliders == 0;
+  if (is_thin && is_free && now < kMaxHalvings && scene.substeps << (now + 1) <= kMaxParts &&
       all_of_last(kPatience[now], [](const FrameStatistics& row) { return row.held_back_vertices > 0; }))
     return now + 1;
-  if (!is_thin && now > 0 && all_of_last(kCalm, [](const FrameStatistics&) { return true; })) return now - 1;
+  const bool has_fallen = std::ranges::adjacent_find(rows, std::greater{}, halvings) != rows.end();
+  if (!is_thin && now > 0 && !has_fallen && all_of_last(kCalm, [](const FrameStatistics&) { return true; })) return 0;
   return now;
 }
 

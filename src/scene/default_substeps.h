@@ -31,11 +31,13 @@ int default_substeps(const Model& model, SolverKind solver, double frame_length,
 /// through its elements then: they end the step inverted, are held back, and so in the next one, for good. So where
 /// vertices have been held back in each frame of the last quarter of a second, and more than one in a thousand elements
 /// of a body that is awake, and at least four, have less than a tenth of their volume, steps are halved; and again
-/// after another second like that, if a frame has no more than 30 then. They are doubled a second after nothing is
-/// thin. They are whole where bodies were in one another or in colliders at the end of the last frame, or one has less
-/// than half of its volume: steps cost most there, and shorter ones make no room.
+/// after another second like that, if a frame has no more than 30 then. But not where bodies were in one another or in
+/// colliders at the end of the last frame: steps cost most there, and shorter ones make no room.
 ///
-/// Source of these numbers: docs/notes/simulation.md. O(n).
+/// Steps are whole again a second after nothing is thin, and that once in a run: a heap that needs halves at rest, too,
+/// would be shaken by each change, and never sleep. And where a body has less than half of its volume.
+///
+/// Source of these numbers: docs/notes/simulation.md. O(n + rows).
 ///
 /// @param rows  of all frames so far, the last that of `state`
 int default_halvings(const Scene& scene, const State& state, std::span<const FrameStatistics> rows);
