@@ -208,9 +208,9 @@ void print_summary(const SimulateOptions& options, const Scene& scene, const Run
                           : fmt::format("{}", last.frame));
   std::int64_t halved = 0;
   for (const FrameStatistics& row : report.frames) halved += row.halved_steps;
-  table.add("steps", fmt::format("{} of {:.3g} s{}, {}", grouped(last.steps), scene.options.time_step,
-                                 halved > 0 ? fmt::format(" ({} halved)", grouped(halved)) : "",
-                                 solver_text(scene, report)));
+  table.add("steps",
+            fmt::format("{} of {:.3g} s{}, {}", grouped(last.steps), scene.options.time_step,
+                        halved > 0 ? fmt::format(" ({} halved)", grouped(halved)) : "", solver_text(scene, report)));
   if (scene.options.contact.guarantee) table.add("guarantee", guarantee_text(report));
   add_crossings(scene, report.crossings, table);
   table.add("inverted elements", grouped(last.inverted_elements));
