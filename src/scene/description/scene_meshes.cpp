@@ -22,8 +22,8 @@ std::string where_of(const JsonValue& value) {
   return value.file() + ": " + value.path();
 }
 
-/// Three lengths, or two of cloth.
-Vec3 read_size(const JsonValue& value, bool is_cloth) {
+/// Three, or two of cloth.
+Vec3 read_lengths(const JsonValue& value, bool is_cloth) {
   if (!is_cloth || !value.json().is_array() || value.json().size() != 2) return value.vector();
   const std::vector<JsonValue> lengths = value.items();
   return {lengths[0].number(kPositive), lengths[1].number(kPositive), 0};
@@ -33,7 +33,7 @@ ShapeOptions read_shape_options(JsonObject& object, std::string_view shape) {
   ShapeOptions options;
   if (const auto v = object.find("cell")) options.cell = v->number(kPositive);
   if (const auto v = object.find("elements")) options.elements = v->integer(1, std::int64_t{1} << 29);
-  if (const auto v = object.find("size")) options.size = read_size(*v, shape == "cloth");
+  if (const auto v = object.find("size")) options.size = read_lengths(*v, shape == "cloth");
   if (const auto v = object.find("length")) options.length = v->number(kPositive);
   if (const auto v = object.find("radius")) options.radius = v->number(kPositive);
   if (const auto v = object.find("inner_radius")) options.inner_radius = v->number(kPositive);
