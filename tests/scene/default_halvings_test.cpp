@@ -1,15 +1,11 @@
 // When steps that the program chooses are halved.
 #include "scene/default_substeps.h"
-#include "temporary_folder.h"
-
-#include <tbb/global_control.h>
+#include "scene/stopped_run.h"
 
 #include <gtest/gtest.h>
 
 namespace selvage {
 namespace {
-
-using test::TemporaryFolder;
 
 /// A second, and a quarter.
 constexpr int kFrames = 60, kQuarter = 15;
@@ -116,22 +112,11 @@ TEST(DefaultHalvings, EndInTheSameBitsForAnyNumberOfThreadsAndAfterAStop) {
                     "motion": {"keyframes": [{"time": 0}, {"time": 0.1, "translate": [0, 0, -0.42]}]}}]}],
       "colliders": [{"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}]})",
                                   "pressed.json");
-  const auto run = [&](const TemporaryFolder& folder, std::int64_t frames, int threads, bool is_resumed) {
-    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    RunOptions options;
-    options.folder = folder.path();
-    options.frames = frames;
-    options.resume = is_resumed;
-    return run_scene(scene, options);
-  };
-  const TemporaryFolder whole, stopped;
-  const RunReport report = run(whole, 27, 1, false);
-  ASSERT_EQ(report.outcome, RunOutcome::kFinished) << report.message;
+  const RunReport report = test::run_with_and_without_stop(scene, 27, 24);
+  ASSERT_EQ(report.frames.size(), 28U);
   EXPECT_EQ(report.frames[12].halved_steps, 0);
   EXPECT_EQ(report.frames[27].halved_steps, scene.substeps);
   EXPECT_EQ(report.frames[27].steps, 27 * scene.substeps);
-  run(stopped, 24, 2, false);
-  EXPECT_EQ(run(stopped, 27, 2, true).fingerprint, report.fingerprint);
 }
 
 }  // namespace

@@ -1,18 +1,14 @@
 // A box that a handle leads around by 120 degrees in one step. The straight way there goes through a box that is
 // pinned; the ways of two steps of 60 degrees go around it.
 #include "scene/guarded_steps.h"
+#include "scene/stopped_run.h"
 #include "selvage/scene/run.h"
 #include "selvage/self_collision/continuous_collision.h"
-#include "temporary_folder.h"
-
-#include <tbb/global_control.h>
 
 #include <gtest/gtest.h>
 
 namespace selvage {
 namespace {
-
-using test::TemporaryFolder;
 
 Scene led_around() {
   return parse_scene(R"({"selvage_scene": 1, "frames": 2, "frames_per_second": 10, "substeps": 1,
@@ -55,22 +51,10 @@ TEST(GuardedSteps, HalveAStepThatCannotBeGuaranteedAndNothingMeetsInItsParts) {
 
 TEST(GuardedSteps, AreCountedAndEndInTheSameBitsForAnyNumberOfThreadsAndAfterAStop) {
   const Scene scene = led_around();
-  const auto run = [&](const TemporaryFolder& folder, std::int64_t frames, int threads, bool is_resumed) {
-    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    RunOptions options;
-    options.folder = folder.path();
-    options.frames = frames;
-    options.resume = is_resumed;
-    return run_scene(scene, options);
-  };
-  const TemporaryFolder whole, stopped;
-  const RunReport report = run(whole, 2, 1, false);
-  ASSERT_EQ(report.outcome, RunOutcome::kFinished) << report.message;
+  const RunReport report = test::run_with_and_without_stop(scene, 2, 1);
   ASSERT_EQ(report.frames.size(), 3U);
   EXPECT_EQ(report.frames[1].halved_steps, 0);
   EXPECT_EQ(report.frames[2].halved_steps, 1);
-  run(stopped, 1, 2, false);
-  EXPECT_EQ(run(stopped, 2, 2, true).fingerprint, report.fingerprint);
 }
 
 }  // namespace
