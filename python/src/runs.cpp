@@ -24,6 +24,7 @@ nb::dict row_of(const FrameStatistics& row) {
   result["impacts_left"] = row.impacts_left;
   result["unguarded_vertices"] = row.unguarded_vertices;
   result["halved_steps"] = row.halved_steps;
+  result["resolved_bodies"] = row.resolved_bodies;
   result["sleeping_bodies"] = row.sleeping_bodies;
   result["constraints"] = row.constraints;
   result["newton_steps"] = row.newton_steps;
@@ -48,6 +49,7 @@ nb::dict row_of(const FrameStatistics& row) {
   result["volumes"] = row.volumes;
   result["traversals"] = row.traversals;
   result["path_elements"] = row.path_elements;
+  result["seconds_start"] = row.seconds_start;
   result["seconds_material"] = row.seconds_material;
   result["seconds_projection"] = row.seconds_projection;
   result["seconds_dcd"] = row.seconds_dcd;
@@ -127,6 +129,7 @@ void bind_runs(nb::module_& m) {
         Watch watch;
         watch.begin();
         options.on_step = [&](const selvage::StepProgress&) { watch(); };
+        options.on_start = [&](const StartProgress&) { watch(); };
         options.on_frame = [&](const FrameStatistics& row) {
           watch();
           if (progress.is_none()) return;

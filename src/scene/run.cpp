@@ -6,6 +6,7 @@
 #include "scene/frame_measures.h"
 #include "scene/guarded_steps.h"
 #include "scene/run_folder.h"
+#include "scene/start/tangled_start.h"
 #include "selvage/core/error.h"
 
 #include <fmt/format.h>
@@ -114,6 +115,7 @@ class SceneSimulation {
     GuardedSteps& steps = steps_of(frame);
     const int halvings = default_halvings(scene_, state, rows);
     FrameStatistics row;
+    if (frame == 1) resolve_start(state, rows.front(), row);
     timed(row.seconds_frame, [&] {
       for (int step = 0; step < scene_.substeps; ++step)
         row.halved_steps += steps.step(state, halvings, [&](const SceneSolver& solver) {
@@ -131,6 +133,17 @@ class SceneSimulation {
   Index find_inverted_held_element(const State& state) const { return held_.find_inverted(state); }
 
  private:
+  void resolve_start(State& state, const FrameStatistics& start, FrameStatistics& row) {
+    if (!scene_.resolves_tangled_start || scene_.contact_from_frame > 0 || start.penetrating_vertices == 0 ||
+        scene_.options.contact.mode == DetectionMode::kOff)
+      return;
+    timed(row.seconds_start, [&] {
+      // A run that is continued has measured nothing yet.
+      FrameStatistics again;
+      measures_.measure(state, 0, again);
+      row.resolved_bodies = resolve_tangled_start(scene_, measures_.crossings().bodies, state, options_.on_start);
+    });
+  }
   GuardedSteps& steps_of(std::int64_t frame) {
     const bool contact = frame > scene_.contact_from_frame;
     if (!steps_ || contact != with_contact_) {

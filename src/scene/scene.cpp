@@ -257,6 +257,7 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& path, std:
       default_substeps(scene.model, scene.solver, 1.0 / description.frames_per_second, description.options));
   scene.may_halve_steps = !description.substeps && scene.solver == SolverKind::kXpbd;
   scene.options.time_step = 1.0 / (static_cast<double>(scene.frames_per_second) * scene.substeps);
+  scene.resolves_tangled_start = description.resolves_tangled_start;
   scene.contact_from_frame = description.contact_from_frame;
   scene.fingerprint = fingerprint_of(description, scene);
   if (!description.allow_start_outside) check_start(scene, path.string());

@@ -169,6 +169,7 @@ TEST(SceneReader, NamesThePlaceOfEachErrorAndTheAllowedValues) {
       {"/newton", "{}", {"newton", "is not for the solver xpbd", "\"solver\": \"newton\""}},
       {"/residual", "1e-6", {"residual", "is not for the solver xpbd"}},
       {"/start_outside", "\"no\"", {"start_outside", "refuse, allow"}},
+      {"/start_tangled", "\"no\"", {"start_tangled", "resolve, simulate"}},
       {"/description", "3", {"description", "no text"}},
       {"/colour", "1", {"colour", "not known", "; allowed are selvage_scene"}},
       {"/handles", "[]", {"handles", "not known here", "write it in a body"}},

@@ -2,6 +2,7 @@
 
 #include "selvage/scene/scene.h"
 #include "selvage/simulation/crossings.h"
+#include "selvage/untangling/resolve.h"
 
 #include <functional>
 #include <optional>
@@ -23,6 +24,8 @@ struct FrameStatistics {
   std::int64_t unguarded_vertices = 0;               ///< likewise, the most of all steps
   /// Taken in two of half their length: Scene::may_halve_steps, or to guarantee them; halves that are halved count too.
   std::int64_t halved_steps = 0;
+  /// Brought out of themselves before the frame, which is the first: Scene::resolves_tangled_start.
+  std::int64_t resolved_bodies = 0;
   std::int64_t sleeping_bodies = 0;    ///< in the last step: StepOptions::sleep_speed
   std::int64_t constraints = 0;        ///< of the material, over all iterations
   std::int64_t newton_steps = 0;       ///< of the implicit solvers: see StepStatistics
@@ -50,9 +53,10 @@ struct FrameStatistics {
   // Costs. They are no part of the result: a run that was continued has other hierarchies than one that never stopped,
   // and visits other nodes.
   std::int64_t volumes = 0, traversals = 0, path_elements = 0;  ///< of shortest paths (SPB table 1)
-  // Time spent [s]: material solve; projections and friction; DCD at the start and end of steps with the refits that it
-  // needs; shortest paths; CCD; all steps; steps and measurement.
-  double seconds_material = 0, seconds_projection = 0, seconds_dcd = 0, seconds_paths = 0, seconds_ccd = 0;
+  // Time spent [s]: bringing bodies out of themselves before the frame; material solve; projections and friction; DCD
+  // at the start and end of steps with the refits that it needs; shortest paths; CCD; all steps; steps and measurement.
+  double seconds_start = 0, seconds_material = 0, seconds_projection = 0, seconds_dcd = 0, seconds_paths = 0,
+         seconds_ccd = 0;
   double seconds_steps = 0, seconds_frame = 0;
 };
 
@@ -74,6 +78,12 @@ struct StepProgress {
   enum class Phase : std::uint8_t { kMaterial, kFindingContacts, kProjection, kHoldingBack } phase;
 };
 
+/// Before an iteration that brings a body out of itself: Scene::resolves_tangled_start.
+struct StartProgress {
+  Index body;
+  const ResolveIteration& iteration;
+};
+
 enum class SurfaceFormat : std::uint8_t { kNoSurface, kPly, kObj };
 
 /// Options of a run, and files to write besides frames, statistics and checkpoints.
@@ -86,9 +96,11 @@ struct RunOptions {
   std::int64_t check_every = 0;                       ///< checks/frame_000000.json after so many frames; 0: never
   /// Called after each frame, and once with the frame that the run begins or continues from.
   std::function<void(const FrameStatistics&)> on_frame{};
-  /// Called after each step, and after each check of a frame. What one of these functions throws ends the run and
-  /// leaves run_scene(); the folder then is that of a run that was killed, and `resume` continues it.
+  /// Called after each step, before each iteration that brings a body out of itself, and after each check of a frame.
+  /// What one of these functions throws ends the run and leaves run_scene(); the folder then is that of a run that was
+  /// killed, and `resume` continues it.
   std::function<void(const StepProgress&)> on_step{};
+  std::function<void(const StartProgress&)> on_start{};
   std::function<void(std::int64_t frame, const Crossings&)> on_check{};
 };
 

@@ -31,6 +31,8 @@ struct Scene {
   int substeps = 5;
   /// Whether run_scene() takes steps in halves and quarters while bodies are pressed thin: where xpbd chooses substeps.
   bool may_halve_steps = false;
+  /// Whether run_scene() brings bodies that are far inside themselves out before frame 1 (docs/guides/simulate.md).
+  bool resolves_tangled_start = true;
   std::int64_t contact_from_frame = 0;  ///< until then bodies pass through themselves and one another
   /// Of all that decides a run: two scenes with the same fingerprint run alike.
   std::uint64_t fingerprint = 0;

@@ -46,6 +46,10 @@ std::string per_minute(double count, double seconds) {
   return pace < 100 ? fmt::format("{:.2g}", pace) : grouped(std::llround(pace));
 }
 
+std::string count_text(std::int64_t count, const char* one, const char* many) {
+  return fmt::format("{} {}", grouped(count), count == 1 ? one : many);
+}
+
 const char* name_of(StepProgress::Phase phase) {
   switch (phase) {
     case StepProgress::Phase::kMaterial:
@@ -85,6 +89,11 @@ class FrameProgress {
       show(step.frame - 1,
            fmt::format("{} of {}, step {} of {}: {}", step.frame, last_, step.step, step.steps, name_of(step.phase)));
   }
+  void show_start(const std::string& body, const ResolveIteration& iteration) {
+    if (seconds_since(frame_start_) > kLongFrame)
+      show(0, fmt::format("start of '{}', iteration {}: {} of the boundary cross", body, iteration.iteration,
+                          count_text(iteration.triangle_pairs, "pair", "pairs")));
+  }
   void clear() { bar_.clear(); }
 
  private:
@@ -101,13 +110,13 @@ class FrameProgress {
   Clock::time_point start_, frame_start_;
 };
 
-std::string count_text(std::int64_t count, const char* one, const char* many) {
-  return fmt::format("{} {}", grouped(count), count == 1 ? one : many);
-}
-
 /// Says before the first frame that bodies overlap, or cloth crosses: the figures at the end do not tell what the scene
-/// began with.
+/// began with. And after it what was brought out.
 void print_start(const FrameStatistics& row) {
+  if (row.resolved_bodies > 0)
+    fmt::print("before frame 1   {} brought out, {}\n",
+               count_text(row.resolved_bodies, "body tangled in itself", "bodies tangled in themselves"),
+               readable_duration(row.seconds_start));
   if (row.frame > 0) return;
   if (row.penetrating_vertices > 0)
     fmt::print("at the start     {} inside bodies, at most {:.3g} mm deep\n",
@@ -250,6 +259,9 @@ void run_simulate(const SimulateOptions& options) {
     progress.show(row.frame);
   };
   run.on_step = [&](const StepProgress& step) { progress.show_step(step); };
+  run.on_start = [&](const StartProgress& start) {
+    progress.show_start(scene.model.bodies[static_cast<std::size_t>(start.body)].name, start.iteration);
+  };
   if (prints)
     run.on_check = [&](std::int64_t frame, const Crossings& crossings) {
       progress.clear();

@@ -119,8 +119,9 @@ struct SceneDescription {
   double vbd_residual = 0;
   std::vector<BodyDescription> bodies;
   std::vector<ColliderDescription> colliders;
-  bool allow_start_outside = false;  ///< see check_start()
-  std::string canonical;             ///< all that decides a run, as text in one form
+  bool allow_start_outside = false;    ///< see check_start()
+  bool resolves_tangled_start = true;  ///< see Scene
+  std::string canonical;               ///< all that decides a run, as text in one form
 };
 
 /// Reads the description of a scene at one of its scales.

@@ -115,6 +115,8 @@ void read_solver(JsonObject& object, SceneDescription& scene) {
   if (const auto v = object.find("contact")) read_contact(*v, scene);
   constexpr std::array<std::string_view, 2> kAnswers{"refuse", "allow"};
   if (const auto v = object.find("start_outside")) scene.allow_start_outside = v->choice(kAnswers) == 1;
+  constexpr std::array<std::string_view, 2> kWays{"resolve", "simulate"};
+  if (const auto v = object.find("start_tangled")) scene.resolves_tangled_start = v->choice(kWays) == 0;
 }
 
 /// Leaves out folders of files: their contents are part of a run, their places are not.

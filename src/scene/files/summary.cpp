@@ -93,8 +93,11 @@ std::string digits(std::uint64_t fingerprint) {
   return fmt::format("{:016x}", fingerprint);
 }
 
-Json state_at_start(const Row& first) {
-  return {{"penetrating_vertices", first.penetrating_vertices}, {"deepest_penetration", first.deepest_penetration}};
+Json state_at_start(const std::vector<Row>& rows) {
+  Json json{{"penetrating_vertices", rows.front().penetrating_vertices},
+            {"deepest_penetration", rows.front().deepest_penetration}};
+  json["resolved_bodies"] = rows.size() > 1 ? rows[1].resolved_bodies : 0;
+  return json;
 }
 
 /// Pairs of bodies that cross, and colliders that do.
@@ -159,7 +162,7 @@ std::string summarize_run(const Scene& scene, const RunReport& report) {
   json["average_per_step"] = averages_per_step(totals, static_cast<double>(last.steps));
   json["average_per_path"] = averages_per_path(totals);
   if (scene.options.contact.guarantee) json["guarantee"] = guarantee_of(report.frames);
-  json["at_start"] = state_at_start(report.frames.front());
+  json["at_start"] = state_at_start(report.frames);
   json["at_end"] = state_at_end(scene, report);
   json["frame_seconds"] = {{"average", ratio(totals.frames, static_cast<double>(last.frame))},
                            {"longest", totals.longest}};
