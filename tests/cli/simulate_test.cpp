@@ -94,6 +94,23 @@ TEST_F(Simulate, SaysWhatStandsInWhatByPairsOfBodiesAndColliders) {
   expect_refused("simulate blocks.json -o no --check-every 0", 2, {"--check-every"});
 }
 
+TEST_F(Simulate, SaysThatABodyIsBroughtOutOfItself) {
+  write_text(file("crossed.json"), R"({"selvage_scene": 1, "bodies": [
+      {"mesh": {"shape": "rod", "elements": 400}, "poses": [{"pose": "self-crossing", "crossings": 1}]}]})");
+  const auto run_with = [&](const std::string& changes) {
+    const std::string said = run_well("simulate crossed.json --frames 2 --json report.json -o run" + changes).out;
+    const auto report = nlohmann::json::parse(read_text(file("report.json")));
+    return std::pair(said, report["at_start"]["resolved_bodies"]);
+  };
+  const auto [said, count] = run_with("1");
+  EXPECT_NE(said.find("inside bodies, at most"), std::string::npos) << said;
+  EXPECT_NE(said.find("before frame 1   1 body tangled in itself brought out, "), std::string::npos) << said;
+  EXPECT_EQ(count, 1);
+  const auto [other, none] = run_with("2 --set /start_tangled=simulate");
+  EXPECT_EQ(other.find("brought out"), std::string::npos) << other;
+  EXPECT_EQ(none, 0);
+}
+
 TEST_F(Simulate, TakesValuesInPlaceOfTheScenes) {
   write_text(file("blocks.json"), kBlocks);
   const auto run_with = [&](const std::string& changes) {

@@ -255,6 +255,7 @@ void run_simulate(const SimulateOptions& options) {
   FrameProgress progress(run.frames.value_or(scene.frames), options.common.quiet);
   const bool prints = !options.common.quiet && !outputs.uses_standard_output();
   run.on_frame = [&](const FrameStatistics& row) {
+    if (prints && row.resolved_bodies > 0) progress.clear();
     if (prints) print_start(row);
     progress.show(row.frame);
   };
