@@ -203,7 +203,7 @@ std::map<std::string, std::string> files_of(const fs::path& folder) {
       text.clear();
       for (const std::string& line : lines) {
         const std::vector<std::string> cells = split(line, ',');
-        for (std::size_t i = 0; i + 10 < cells.size(); ++i) text += cells[i] + ",";
+        for (std::size_t i = 0; i + 11 < cells.size(); ++i) text += cells[i] + ",";
         text += "\n";
       }
     }

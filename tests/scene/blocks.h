@@ -45,7 +45,7 @@ inline std::map<std::string, std::string> files_of(const std::filesystem::path& 
       for (std::size_t at = 0; at < bytes.size();) {
         const std::size_t end = std::min(bytes.find('\n', at), bytes.size());
         std::string line = bytes.substr(at, end - at);
-        for (int cost = 0; cost < 10; ++cost) line.resize(line.rfind(','));
+        for (int cost = 0; cost < 11; ++cost) line.resize(line.rfind(','));
         costless += line + "\n";
         at = end + 1;
       }
