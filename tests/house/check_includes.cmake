@@ -6,7 +6,7 @@ cmake_policy(VERSION 3.25)
 # The floors from the lowest to the highest. A folder may include itself and what stands before it; floors joined by
 # a slash stand side by side and include one another never.
 set(floors core geometry mesh bvh/io/shapes boundary_path/self_collision/surface_distance contact/elasticity simulation
-    untangling/scene picture/page/export cli/python/viewer)
+    untangling scene picture/page/export cli/python/viewer)
 # The rooms of a floor, likewise. What lies in the floor's own folder may include all of them, and no room includes it.
 set(rooms_of_geometry exact)
 set(rooms_of_elasticity triangles)
@@ -19,7 +19,7 @@ set(rooms_of_boundary_path input traversal injectivity location search packets)
 set(rooms_of_self_collision surface culling discrete/continuous proximity)
 set(rooms_of_simulation colliders crossings time_step xpbd elements implicit newton/vbd)
 set(rooms_of_untangling solids)
-set(rooms_of_scene description files reading)
+set(rooms_of_scene description start files reading)
 set(rooms_of_contact input impacts contours ways_out)
 # Floors whose own folder lies below their rooms: a room may include what lies there, and not the reverse.
 set(floors_below_rooms geometry core io shapes elasticity simulation)
