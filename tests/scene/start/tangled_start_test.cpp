@@ -93,6 +93,14 @@ TEST(TangledStart, LeavesPinnedVerticesAndThoseOfHandlesInTheirPlaces) {
   }
 }
 
+TEST(TangledStart, LeavesVerticesWithoutMassInTheirPlaces) {
+  Scene scene = crossed_rod(6);
+  std::fill(scene.model.inverse_masses.begin(), scene.model.inverse_masses.end(), 0);
+  State state = scene.initial_state;
+  EXPECT_EQ(resolve(scene, state), 0);
+  EXPECT_EQ(state.positions, scene.initial_state.positions);
+}
+
 TEST(TangledStart, StaysWhereItCannotBeResolved) {
   const Scene scene = crossed_rod(6, "", R"("pinned": [{"box": {"min": [-9, -9, -9], "max": [9, 9, 9]}}],)");
   State state = scene.initial_state;
