@@ -85,6 +85,10 @@ interior_points : bool
     Also interior vertices and centroids, by DCD alone.
 wait_for_inverted : bool
     No contacts at vertices of inverted elements, which would keep them inverted.
+take_turns : bool
+    Where more than a tenth of the boundary's vertices are inside: no contacts of edges between two of them, and of
+    vertices with only such neighbours in every third step. Bodies in one another come apart sooner, at a tenth of the
+    cost. For the mode 'hybrid'.
 
 Raises
 ------
@@ -114,7 +118,7 @@ A box falls onto another one, and the step would end with a part of it inside.
           "__init__",
           [](StepContacts* self, nb::object mesh, nb::object v, nb::object rest, nb::object objects, nb::object cloth,
              nb::object thickness, const std::string& mode, const std::string& rule, bool edges, bool interior_points,
-             bool wait_for_inverted) {
+             bool wait_for_inverted, bool take_turns) {
             const auto& placed = mesh_argument<PlacedTetMesh>(mesh);
             const Rows<Vec3> x = placed.positions_or(v);
             const Rows<Vec3> at_rest = rows_or_none<Vec3>(rest, "rest");
@@ -126,7 +130,8 @@ A box falls onto another one, and the step would end with a part of it inside.
                                          .rule = rule_of(rule),
                                          .detect_edges = edges,
                                          .interior_points = interior_points,
-                                         .wait_for_inverted = wait_for_inverted};
+                                         .wait_for_inverted = wait_for_inverted,
+                                         .take_turns = take_turns};
             auto finder = without_interpreter([&] {
               return std::make_unique<ContactFinder>(placed.topology, at_rest.span(), x.span(), numbers.span(), options,
                                                      std::span<const VertexTuple<3>>{},
@@ -138,10 +143,12 @@ A box falls onto another one, and the step would end with a part of it inside.
           nb::arg("objects").none() = nb::none(), nb::arg("cloth").none() = nb::none(),
           nb::arg("thickness").none() = nb::none(), nb::arg("mode") = "hybrid", nb::arg("rule") = "shortest-path",
           nb::arg("edges") = true, nb::arg("interior_points") = false, nb::arg("wait_for_inverted") = false,
+          nb::arg("take_turns") = false,
           nb::sig("def __init__(self, mesh: TetMesh, V: ArrayLike | None = None, *, rest: ArrayLike | None = None, "
                   "objects: ArrayLike | None = None, cloth: ArrayLike | None = None, "
                   "thickness: ArrayLike | None = None, mode: str = 'hybrid', rule: str = 'shortest-path', "
-                  "edges: bool = True, interior_points: bool = False, wait_for_inverted: bool = False) -> None"))
+                  "edges: bool = True, interior_points: bool = False, wait_for_inverted: bool = False, take_turns: "
+                  "bool = False) -> None"))
       .def(
           "begin_step",
           [](StepContacts& self, nb::object v, std::int64_t step) {

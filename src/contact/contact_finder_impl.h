@@ -34,7 +34,7 @@ struct ContactFinder::Impl {
   std::optional<CommonWaysOut> common;  ///< of the shortest paths, where bodies penetrate at the start of steps only
   std::optional<WaysOffColliders> off;  ///< likewise, where there are colliders and rest positions
 
-  std::vector<Index> inside;  ///< features of the search that penetrate at the start of the step
+  std::vector<Index> inside;  ///< features of the search that penetrate at the start of the step, and have their turn
   std::vector<std::uint8_t> is_inside;
   std::vector<Index> inside_vertices, inside_edges;
   std::vector<Index> folded_vertices;  ///< by the last find_contacts() of the step
@@ -67,7 +67,8 @@ struct ContactFinder::Impl {
   bool is_dcd_alone() const { return uses_dcd() && !options.splits(); }
 
   void begin_step(std::span<const Vec3> positions, std::int64_t step);
-  void split_features();
+  void split_features(std::int64_t step);
+  void take_turns(std::int64_t step);
   void find_contacts(std::span<const Vec3> positions, std::vector<Contact>& contacts);
   std::vector<PenetratingPoint> find_boundary_points(std::span<const Vec3> positions);
   void append_interior_points(std::span<const Vec3> positions, std::vector<PenetratingPoint>& points) const;

@@ -20,6 +20,8 @@ namespace {
 
 constexpr std::int64_t kEdgesAtOnce = 32;
 constexpr std::int64_t kStarsAtOnce = 32;
+/// See PenetrationSearch::is_crowded(). Fewer cost little, and with 20 a noodle through itself is out some steps later.
+constexpr std::int64_t kCrowdedShare = 10;
 
 template <std::size_t N>
 std::array<Vec3, 2> extent_of(const std::array<Index, N>& vertices, std::span<const Vec3> positions) {
@@ -156,8 +158,25 @@ std::vector<Index> PenetrationSearch::find_overlapping_stars(std::vector<Index> 
   return overlapping;
 }
 
+/// Removes the bodies' edges between two of some vertices.
+std::vector<Penetration> PenetrationSearch::take_deep_edges(std::span<const Penetration> vertices,
+                                                            std::vector<Index>& edges) const {
+  Flags is_inside(mesh_.vertex_count(), 0);
+  for (const Penetration& p : vertices)
+    if (const Index v = vertex_of(p.feature); v < mesh_.vertex_count()) is_inside[v] = 1;
+  std::vector<Penetration> deep;
+  std::erase_if(edges, [&](Index e) {
+    const auto& [a, b] = surface_.edges()[e];
+    if (std::max(a, b) >= mesh_.vertex_count() || is_inside[a] == 0 || is_inside[b] == 0) return false;
+    deep.push_back({vertex_count_ + e, kNone});
+    return true;
+  });
+  return deep;
+}
+
 std::vector<Penetration> PenetrationSearch::find_all(PenetrationCounters& counters,
-                                                     const std::optional<std::vector<IndexPair>>& candidates) {
+                                                     const std::optional<std::vector<IndexPair>>& candidates,
+                                                     bool leaves_deep_edges) {
   for (const Index face : suspects_) is_suspect_[face] = 0;
   suspects_.clear();
   for (const Index face : pieces_) suspect(face);
@@ -180,12 +199,19 @@ std::vector<Penetration> PenetrationSearch::find_all(PenetrationCounters& counte
     append_vertices(inside, found);
     counters.searched += std::ssize(vertices);
   }
-  const auto on_edges = find_edges(edges, counters);
-  counters.searched += std::ssize(edges);
-  counters.features += feature_count();
   const auto key = [](const Penetration& p) { return std::pair(p.feature, p.element); };
   std::sort(found.begin(), found.end(), [&](const auto& a, const auto& b) { return key(a) < key(b); });
+  std::int64_t inside_count = 0;
+  for (std::size_t i = 0; i < found.size() && found[i].feature < std::ssize(body_vertices_); ++i)
+    inside_count += i == 0 || found[i].feature != found[i - 1].feature;
+  is_crowded_ = kCrowdedShare * inside_count > std::ssize(body_vertices_);
+  std::vector<Penetration> on_edges;
+  if (leaves_deep_edges && is_crowded_) on_edges = take_deep_edges(found, edges);
+  for (const Penetration& p : find_edges(edges, counters)) on_edges.push_back(p);
+  std::sort(on_edges.begin(), on_edges.end(), [](const auto& a, const auto& b) { return a.feature < b.feature; });
   found.insert(found.end(), on_edges.begin(), on_edges.end());
+  counters.searched += std::ssize(edges);
+  counters.features += feature_count();
   return found;
 }
 

@@ -10,8 +10,8 @@ namespace selvage {
 
 /// A boundary vertex or edge and an element that holds a part of it.
 struct Penetration {
-  Index feature;  ///< see PenetrationSearch
-  Index element;
+  Index feature;      ///< see PenetrationSearch
+  Index element;      ///< kNone: see PenetrationSearch::find_all()
   double middle = 0;  ///< of an edge: see middle_of_parts()
 };
 
@@ -49,6 +49,7 @@ class PenetrationSearch {
     const auto of_bodies = static_cast<Index>(body_vertices_.size());
     return feature < of_bodies ? body_vertices_[feature] : mesh_.vertex_count() + feature - of_bodies;
   }
+  Index feature_of(Index vertex) const { return vertex_feature_[vertex]; }
   Index edge_of(Index feature) const { return feature - vertex_count_; }
 
   /// Takes a new pose. O(n), parallel.
@@ -63,8 +64,14 @@ class PenetrationSearch {
   ///
   /// @param candidates  pairs of faces without a common vertex, ascending, no pairs of colliders: no others meet. Else
   ///                    they are searched for
+  /// @param leaves_deep_edges  where bodies are crowded, their edges between two vertices that are inside are listed
+  ///                           with no element and no middle: to search for these would take most of the time
   std::vector<Penetration> find_all(PenetrationCounters& counters,
-                                    const std::optional<std::vector<IndexPair>>& candidates = std::nullopt);
+                                    const std::optional<std::vector<IndexPair>>& candidates = std::nullopt,
+                                    bool leaves_deep_edges = false);
+
+  /// Whether more than one of the bodies' vertices in ten is inside, by the last find_all().
+  bool is_crowded() const { return is_crowded_; }
 
   /// The same for features in ascending order.
   std::vector<Penetration> find(std::span<const Index> features, PenetrationCounters& counters) const;
@@ -98,6 +105,7 @@ class PenetrationSearch {
   std::vector<PointInside> find_centroids(std::span<const Index> elements) const;
   std::vector<Penetration> find_edges(std::span<const Index> edges, PenetrationCounters& counters) const;
   void append_vertices(std::span<const PointInside> inside, std::vector<Penetration>& found) const;
+  std::vector<Penetration> take_deep_edges(std::span<const Penetration> vertices, std::vector<Index>& edges) const;
 
   const TetMesh& mesh_;
   const TriangleMesh& surface_;
@@ -110,7 +118,7 @@ class PenetrationSearch {
   PointLocator<3> locator_;
   BoundaryPathFinder<3> paths_;
   SelfCollisionFinder collisions_;
-  bool collisions_placed_ = true;
+  bool collisions_placed_ = true, is_crowded_ = false;
   std::vector<TrianglePair> crossings_;
   Flags is_suspect_;             ///< per face
   std::vector<Index> suspects_;  ///< those faces

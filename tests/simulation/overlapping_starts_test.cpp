@@ -1,4 +1,5 @@
 // Bodies that start in one another, however, come free.
+#include "selvage/self_collision/self_collision.h"
 #include "simulation/bodies.h"
 #include "test_scale.h"
 
@@ -72,6 +73,23 @@ IndexedMesh folded_through_itself(const IndexedMesh& flat, double length, std::m
              radius - std::cos(angle) * across + std::sin(angle) * ahead);
   }
   return folded;
+}
+
+/// Their points take turns, or each step would ask for thousands of ways out.
+TEST(OverlappingStarts, OfTwoBodiesNearlyInOnePlaceComeFree) {
+  const IndexedMesh mesh = make_box({0.5, 0.4, 0.4}, 0.05);
+  const std::vector<IndexedMesh> meshes{moved(mesh, {0, 0, 0.2}), moved(mesh, {0.05, 0.04, 0.22})};
+  const Model model = make(meshes, damped(neo_hookean(1e5, 0.4), 0.002));
+  State state = make_state(model, model.rest_positions);
+  XpbdSolver solver(model, state, {}, {Collider{.shape = PlaneShape{}}}, {});
+  solver.step(state);
+  const ContactStatistics first = solver.statistics().contact;
+  EXPECT_GT(10 * first.penetrating_vertices, std::ssize(model.mesh.boundary_vertices()));
+  EXPECT_LT(3 * first.path_queries, first.penetrating_vertices + first.penetrating_edges);
+  for (int step = 0; step < 20 * kStepsAFrame; ++step) solver.step(state);
+  EXPECT_EQ(solver.statistics().unguarded_vertices, 0);
+  const TriangleMesh surface = boundary_surface(model.mesh);
+  EXPECT_TRUE(SelfCollisionFinder(surface, state.positions).find_pairs().empty());
 }
 
 TEST(OverlappingStarts, OfSheetsThroughThemselvesComeFree) {

@@ -30,6 +30,8 @@ struct ContactStatistics {
   /// Likewise: vertices where bodies penetrate, which find_impacts() leaves to contacts. Without any, all is guarded.
   std::int64_t unguarded_vertices = 0;
 
+  std::int64_t off_turn = 0;  ///< those of them that ContactOptions::take_turns leaves out of this step
+
   std::int64_t waiting_points = 0;  ///< pairs of a point and an element, left out by ContactOptions::wait_for_inverted,
                                     ///< or choose_ways_off()
   std::int64_t path_queries = 0;    ///< pairs of a point and an element that were asked for a way out

@@ -25,17 +25,13 @@ std::vector<Index> holders_of(const Scene& scene) {
   return holders;
 }
 
-const Body& body_of(const Model& model, Index vertex) {
-  return *std::ranges::find_if(model.bodies, [&](const Body& b) {
-    return vertex >= b.first_vertex && vertex < b.first_vertex + b.vertex_count;
-  });
-}
-
 }  // namespace
 
 void check_guarantee(const Scene& scene, const std::string& file) {
   if (!scene.options.contact.guarantee) return;
   const std::vector<Index> holders = holders_of(scene);
+  const std::vector<Index> body_of = bodies_of_vertices(scene.model);
+  const auto name_of = [&](Index v) { return scene.model.bodies[static_cast<std::size_t>(body_of[v])].name; };
   const TriangleMesh surface = surface_of(scene.model);
   const std::vector<TrianglePair> pairs = SelfCollisionFinder(surface, scene.initial_state.positions).find_pairs();
   for (const TrianglePair& pair : pairs) {
@@ -48,7 +44,7 @@ void check_guarantee(const Scene& scene, const std::string& file) {
         fmt::format("{}: contact.guarantee", file),
         fmt::format("bodies '{}' and '{}' start in one another near [{:.4g}, {:.4g}, {:.4g}], where handles hold "
                     "both for ever",
-                    body_of(scene.model, a[0]).name, body_of(scene.model, b[0]).name, place[0], place[1], place[2]),
+                    name_of(a[0]), name_of(b[0]), place[0], place[1], place[2]),
         "hold them apart, release one, or give no guarantee");
   }
 }

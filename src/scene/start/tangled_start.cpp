@@ -11,15 +11,10 @@ namespace {
 /// Part of the vertices of a body's boundary that are inside the body, above which it is resolved.
 constexpr double kTangledShare = 0.1;
 
-bool is_of(const Body& body, Index vertex) {
-  return vertex >= body.first_vertex && vertex - body.first_vertex < body.vertex_count;
-}
-
-bool is_tangled(const Scene& scene, const BodyPairCrossings& pair) {
+bool is_tangled(const Model& model, std::span<const Index> body_of, const BodyPairCrossings& pair) {
   if (pair.first != pair.second) return false;
-  const Body& body = scene.model.bodies[static_cast<std::size_t>(pair.first)];
   const auto count =
-      std::ranges::count_if(scene.model.mesh.boundary_vertices(), [&](Index v) { return is_of(body, v); });
+      std::ranges::count_if(model.mesh.boundary_vertices(), [&](Index v) { return body_of[v] == pair.first; });
   return static_cast<double>(pair.vertices) > kTangledShare * static_cast<double>(count);
 }
 
@@ -33,14 +28,15 @@ TetMesh mesh_of(const Body& body, const Model& model) {
   return {body.vertex_count, std::move(elements)};
 }
 
-/// Vertices of a body that its start must not move.
-std::vector<Index> held_vertices(const Body& body, const Scene& scene) {
+/// Vertices of a body that its start must not move, numbered as in mesh_of().
+std::vector<Index> held_vertices(Index b, const Scene& scene, std::span<const Index> body_of) {
+  const Body& body = scene.model.bodies[static_cast<std::size_t>(b)];
   std::vector<Index> held;
   for (Index i = 0; i < body.vertex_count; ++i)
     if (scene.model.inverse_masses[body.first_vertex + i] == 0) held.push_back(i);
   for (const Handle& handle : scene.handles)
     for (const Index v : handle.vertices)
-      if (is_of(body, v) && handle.release_time > 0) held.push_back(v - body.first_vertex);
+      if (body_of[v] == b && handle.release_time > 0) held.push_back(v - body.first_vertex);
   return held;
 }
 
@@ -48,14 +44,15 @@ std::vector<Index> held_vertices(const Body& body, const Scene& scene) {
 
 Index resolve_tangled_start(const Scene& scene, const BodyCrossings& crossings, State& state,
                             const std::function<void(const StartProgress&)>& on_iteration) {
+  const std::vector<Index> body_of = bodies_of_vertices(scene.model);
   Index moved = 0;
   for (const BodyPairCrossings& pair : crossings.pairs) {
-    if (!is_tangled(scene, pair)) continue;
+    if (!is_tangled(scene.model, body_of, pair)) continue;
     const Body& body = scene.model.bodies[static_cast<std::size_t>(pair.first)];
     const auto first = state.positions.begin() + body.first_vertex;
     std::vector<Vec3> positions(first, first + body.vertex_count);
     const TetMesh mesh = mesh_of(body, scene.model);
-    ResolveOptions options{.pinned = held_vertices(body, scene)};
+    ResolveOptions options{.pinned = held_vertices(pair.first, scene, body_of)};
     if (!find_inverted(mesh, positions).empty()) {
       const auto rest = scene.model.rest_positions.begin() + body.first_vertex;
       options.rest_positions.assign(rest, rest + body.vertex_count);

@@ -4,7 +4,7 @@
 
 namespace selvage {
 
-/// Brings bodies out of themselves before the first step, where Scene::resolves_tangled_start asks for it.
+/// Brings bodies out of themselves; to be called before the first step, where Scene::resolves_tangled_start.
 ///
 /// A body wound into itself may have no ways out that contacts can follow step by step: they lead through most of its
 /// elements, or through inverted ones, for which they wait. It stays wound then, and its frames take hundreds of times

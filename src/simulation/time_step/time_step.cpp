@@ -56,6 +56,7 @@ TimeStep::TimeStep(const Model& model, const State& initial, std::vector<Handle>
   ContactOptions contact = options.contact;
   // CCD alone never finds again what it leaves out once.
   contact.wait_for_inverted = contact.mode != DetectionMode::kCcd;
+  contact.take_turns = !contact.guarantee;
   std::vector<Vec3> positions = initial.positions;
   for (std::size_t i = 0; i < collider_surface_.positions.size(); ++i)
     positions.push_back(
@@ -233,7 +234,7 @@ void TimeStep::find_contacts() {
 }
 
 bool TimeStep::find_missed_contacts() {
-  if (!gate_ || gate_->is_crushed(collider_contacts_.started_inside)) return false;
+  if (!gate_ || is_crushed()) return false;
   check_positions();
   parallel_for(std::ssize(candidate_), kGrain,
                [&](std::int64_t v) { candidate_[v] = position(static_cast<Index>(v)); });
@@ -300,8 +301,7 @@ void TimeStep::hold_back() {
   if (!gate_) return;
   timed(statistics_.seconds_hold_back, [&] {
     if (!gate_->is_violated(*contact_finder_, step_, vertices_, no_impacts_)) return;
-    const bool is_crushed = gate_->is_crushed(collider_contacts_.started_inside);
-    const GateStatistics held = gate_->hold_back(*contact_finder_, step_, carriers(), is_crushed, vertices_);
+    const GateStatistics held = gate_->hold_back(*contact_finder_, step_, carriers(), is_crushed(), vertices_);
     statistics_.hold_back_rounds = held.rounds;
     statistics_.held_back_vertices = held.held_back_vertices;
     statistics_.impacts_met = held.impacts_met;

@@ -109,6 +109,11 @@ class TimeStep {
   bool is_released(const Handle& handle) const;
   Vec3 depenetration_of(Index v, const Vec3& moved) const;
   bool is_thrown(Index v) const;
+  /// Whether much of the bodies starts the step in colliders or in one another: what runs into each other is looked for
+  /// once all else holds, for most of it meets in each round.
+  bool is_crushed() const {
+    return gate_->is_crushed(collider_contacts_.started_inside) || contact_finder_->statistics().off_turn > 0;
+  }
   void check_positions() const;
   Carriers carriers() const;
   void hold_back();
