@@ -87,8 +87,8 @@ wait_for_inverted : bool
     No contacts at vertices of inverted elements, which would keep them inverted.
 take_turns : bool
     Where more than a tenth of the boundary's vertices are inside: no contacts of edges between two of them, and of
-    vertices with only such neighbours in every third step. Bodies in one another come apart sooner, at a tenth of the
-    cost. For the mode 'hybrid'.
+    vertices with only such neighbours in every third step. Bodies in one another come apart at a sixth of the cost.
+    For the mode 'hybrid'.
 
 Raises
 ------

@@ -50,6 +50,22 @@ def test_penetrations_by_dcd(boxes):
     assert len(hybrid.penetrating_vertices) > 0
 
 
+def test_points_take_turns_where_many_are_inside():
+    box = selvage.make("box", size=(1, 1, 1), cell=0.2)
+    V = np.vstack([box.V, box.V + [0.31, 0.22, 0.13]])
+    mesh = selvage.TetMesh(V, np.vstack([box.T, box.T + len(box.V)]))
+
+    def count(step, **options):
+        finder = selvage.ContactFinder(mesh, **options)
+        finder.begin_step(V, step)
+        return len(finder.find_contacts(V))
+
+    assert count(0) == count(1)
+    some = [count(step, take_turns=True) for step in range(4)]
+    assert max(some) < count(0) / 2
+    assert some[0] == some[3] and len(set(some)) > 1
+
+
 def test_edges_in_their_own_piece_rest_in_some_steps():
     mesh = selvage.make("rod", cell=0.1, pose="self-crossing", crossings=1)
     finder = selvage.ContactFinder(mesh, mode="dcd")

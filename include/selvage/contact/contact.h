@@ -73,10 +73,10 @@ struct ContactOptions {
   /// points this also leaves out points whose way out ends at such a vertex, and with each such point all of the tangle
   /// in which a connected piece meets itself.
   bool wait_for_inverted = false;
-  /// For kHybrid without interior_points: where more than a tenth of the bodies' boundary vertices start a step
-  /// inside elements, edges between two of them have no contacts, and vertices with only such neighbours have some in
-  /// every third step. What is left out follows what it hangs on. So bodies that lie in one another come apart sooner,
-  /// at a tenth of the cost: contacts of all points at once press the elements between them flat.
+  /// For kHybrid without interior_points: where more than a tenth of the bodies' boundary vertices start a step inside
+  /// elements, edges between two of them have no contacts, and vertices with only such neighbours have some in every
+  /// third step. What is left out follows what it hangs on. So bodies that lie in one another come apart at a sixth of
+  /// the cost: contacts of all points at once press the elements between them flat.
   bool take_turns = false;
   /// For kHybrid without interior_points: after the solver, what still meets is projected again, and what then still
   /// meets, or inverts an element, is held back. So what is free at the start of a step is free at its end.
