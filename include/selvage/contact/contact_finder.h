@@ -113,9 +113,9 @@ class ContactFinder {
   ContactFinder& operator=(ContactFinder&&) noexcept;
 
   /// Start of a step: splits boundary vertices and edges into penetrating and free ones.
-  /// @param step    its number. By DCD alone, where points inside their own connected piece are joined by vertices and
-  ///                a vertex is among them, the edges among them have no contacts in the last 8 of 64 steps: contacts
-  ///                of edges and of vertices may hold a fold for ever
+  /// @param step    its number: whose turn it is by ContactOptions::take_turns. By DCD alone, where points inside their
+  ///                own connected piece are joined by vertices and a vertex is among them, the edges among them have no
+  ///                contacts in the last 8 of 64 steps: contacts of edges and of vertices may hold a fold for ever
   /// @throws Error  when the size differs or a position is not finite; so does find_contacts()
   void begin_step(std::span<const Vec3> positions_t0, std::int64_t step = 0);
 
