@@ -30,7 +30,8 @@ struct ContactStatistics {
   /// Likewise: vertices where bodies penetrate, which find_impacts() leaves to contacts. Without any, all is guarded.
   std::int64_t unguarded_vertices = 0;
 
-  std::int64_t off_turn = 0;  ///< those of them that ContactOptions::take_turns leaves out of this step
+  /// Penetrating vertices and edges that have no turn in this step: ContactOptions::take_turns.
+  std::int64_t off_turn = 0;
 
   std::int64_t waiting_points = 0;  ///< pairs of a point and an element, left out by ContactOptions::wait_for_inverted,
                                     ///< or choose_ways_off()
